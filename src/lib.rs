@@ -1,0 +1,47 @@
+//! **Umbrage**: sharp, stable sun shadows over large worlds for Bevy.
+//!
+//! The crate is a house of rooms; imports point down only (`tests/rooms.rs` holds it):
+//!
+//! ```text
+//! cli ──► demo, ui ──► level ──► render ──► shadow, lod ──► maths
+//! ```
+//!
+//! | room | what it is | needs feature |
+//! |---|---|---|
+//! | [`maths`] | intersection bodies, splits, warps, fits, footprints: values in, values out | none |
+//! | [`shadow`] | main-world ECS: settings, scene bounds, light views, the drop-in path, gizmos | `render` |
+//! | [`render`] | render world: caster phase, shadow atlas, shadow result texture, bridge into Bevy | `render` |
+//! | [`level`] | levels: `.level.ron` assets, generators of forest, city and rooms | `demo` |
+//! | [`ui`] | head-up display, help, menus | `demo` |
+//! | [`demo`] | the playable demo: screens, walker, sun controls | `demo` |
+//! | [`cli`] | the command line: `play`, `shoot`, `list` | `demo` |
+
+pub mod maths;
+
+#[cfg(feature = "render")]
+pub mod render;
+#[cfg(feature = "render")]
+pub mod shadow;
+
+#[cfg(feature = "demo")]
+pub mod cli;
+#[cfg(feature = "demo")]
+pub mod demo;
+#[cfg(feature = "demo")]
+pub mod level;
+#[cfg(feature = "demo")]
+pub mod ui;
+
+/// The types that an app using Umbrage names.
+#[cfg(feature = "render")]
+pub mod prelude {
+    #[doc(hidden)]
+    pub use crate::{
+        maths::{split::SplitScheme, warp::Warp},
+        render::UmbragePlugins,
+        shadow::{
+            settings::{Partitions, PartitionSelection, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+            technique::Technique,
+        },
+    };
+}

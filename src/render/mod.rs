@@ -1,0 +1,1 @@
+//! Render world: the passes that draw and apply light views.

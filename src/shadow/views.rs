@@ -1,0 +1,53 @@
+//! [`SunViews`]: what the systems computed this frame, for other game code, gizmos and the render room.
+
+use bevy::{ecs::entity::EntityHashMap, prelude::*};
+
+/// One map: the light view that draws it and reads it.
+#[derive(Clone, Debug, PartialEq, Reflect)]
+pub struct LightView {
+    /// World to light clip space; reverse z: 1 nearest to the light, 0 farthest; depth clamped.
+    pub clip_from_world: Mat4,
+    /// Rigid: the light view's axes and origin in the world (x = y × z, y the warp axis, z towards the light).
+    pub world_from_light: Mat4,
+    /// The whole warp and focus.
+    pub clip_from_light: Mat4,
+    /// Mean side of a texel in metres at the middle of the body (the local value is
+    /// `maths::footprint`).
+    pub texel_size: f32,
+    /// View depth interval that this map is meant for, in metres, half open.
+    pub near_depth: f32,
+    /// End of the interval.
+    pub far_depth: f32,
+}
+
+/// One z-partition of one camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartitionView {
+    /// Corners of the slice of the view frustum in world space: near bottom left, bottom right, top right, top left, then far.
+    pub split_frustum: [Vec3; 8],
+    /// The intersection body B in world space.
+    pub body: crate::maths::polytope::Polytope,
+    /// Its light view.
+    pub light_view: LightView,
+}
+
+/// Light views of one light for one camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraSunViews {
+    /// View depth of the nearest point of the scene's bounds inside the view, in metres.
+    pub near_depth: f32,
+    /// View depth of the farthest.
+    pub far_depth: f32,
+    /// One per partition, near to far. Empty when the camera sees nothing of the scene.
+    pub partitions: Vec<PartitionView>,
+    /// One map over the whole range: the fallback for transparent surfaces and the source of the caster set.
+    pub master: LightView,
+}
+
+/// On the entity of a light with [`SunShadows`](super::settings::SunShadows): this frame's light views of every
+/// active camera.
+#[derive(Component, Clone, Debug, Default)]
+pub struct SunViews {
+    /// By camera entity.
+    pub cameras: EntityHashMap<CameraSunViews>,
+}

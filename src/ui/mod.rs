@@ -1,0 +1,1 @@
+//! Head-up display, help and menus.

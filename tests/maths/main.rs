@@ -1,0 +1,1 @@
+//! Pure mathematics against the oracles of the papers and against properties.
