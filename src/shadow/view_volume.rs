@@ -1,6 +1,6 @@
 //! From Bevy's cameras to [`ViewVolume`]s.
 
-use bevy::{camera::CameraProjection, math::DVec3, prelude::*};
+use bevy::{math::DVec3, prelude::*};
 
 use crate::maths::view::{ViewError, ViewVolume};
 
