@@ -1,4 +1,73 @@
 //! Pure mathematics of shadow maps: values in, values out; no ECS, no GPU, no clock, no randomness.
+//!
+//! Double precision inside, metres, right-handed; single precision only where a value leaves the room.
+//! Inputs that have no answer (empty, flat, enormous, NaN) give named results, never a panic.
+//!
+//! From a camera to a light view:
+//!
+//! ```
+//! use bevy_math::DVec3;
+//! use umbrage::maths::{body, bounds::Bounds, fit, split, view::ViewVolume, warp::Warp};
+//!
+//! let scene = Bounds::new(DVec3::new(-50.0, 0.0, -50.0), DVec3::new(50.0, 12.0, 50.0));
+//! let light_travel = DVec3::new(0.3, -1.0, 0.2);
+//! let eye = DVec3::new(0.0, 1.7, 0.0);
+//! let camera = ViewVolume::perspective(eye, DVec3::NEG_Z, DVec3::Y, 1.0, 16.0 / 9.0, 0.1, 1000.0).unwrap();
+//! let visible = body::light_visible(&camera, &scene);
+//! let (near, far) = body::adjusted_depths(&visible, &camera).unwrap();
+//! let depths = split::split_depths(&split::SplitScheme::Logarithmic, near, far, 4);
+//! for range in depths.windows(2) {
+//!     let slice = camera.split(range[0], range[1]);
+//!     let visible = body::light_visible(&slice, &scene);
+//!     let input = fit::FitInput {
+//!         view: &slice,
+//!         visible: &visible,
+//!         body: &body::intersection_body(&visible, &scene, light_travel),
+//!         light_travel,
+//!         warp: Warp::Lispsm,
+//!         map_size: 2048,
+//!         guard_texels: 2.0,
+//!     };
+//!     let light_view = fit::fit_light_view(&input).fitted().unwrap();
+//!     assert!(light_view.warp_near.is_finite(), "LiSPSM warps every slice here");
+//! }
+//! ```
+//!
+//! # Glossary
+//!
+//! Papers: S = Stingl 2011 (*Robust Hard Shadows*), L = Lloyd et al. 2006 (*Warping and Partitioning for Low Error
+//! Shadow Maps*).
+//!
+//! | paper | here | where |
+//! |---|---|---|
+//! | S (scene box) | [`bounds::Bounds`] | S 3.1.1 |
+//! | V, V_i | [`view::ViewVolume`], [`view::ViewVolume::split`] | S 3.1.1, 3.3 |
+//! | Θ | half the opening: [`view::ViewVolume::opening`] is 2 tan Θ | S 2.3.3 |
+//! | n, f (n_e, f_e) | `near`, `far`: view depths | S 2.3.3 |
+//! | H = V ∩ S, LVS = L ∩ V ∩ S | [`body::light_visible`] | S 3.1.1, 3.2.1 |
+//! | B = M ∩ S | [`body::intersection_body`] | S 3.1.1 |
+//! | adjusted n, f | [`body::adjusted_depths`] | S 3.3.1 |
+//! | C_i, λ | [`split::split_depths`], [`split::SplitScheme::Practical`] | S 3.3.2, eq. 3.6 to 3.8; L eq. 15, 16 |
+//! | v, l, γ | `forward`, `light_travel`; sin γ = v · y of [`fit::LightAxes`] | S 3.2.1 |
+//! | LS, R | [`fit::LightAxes`] | S 3.2.1 (there towards −z); L 4 (there y and z swapped, mirrored) |
+//! | n', n_opt | `warp_near`, [`warp::WarpSpan::optimal_warp_near`] | S eq. 3.2; L 4.1 |
+//! | η | `eta`, [`warp::WarpSpan::warp_near`], [`warp::WarpSpan::eta`] | L eq. 11; S eq. 3.4 |
+//! | d, z0, z1, α = z1/z0 | [`warp::WarpSpan`] | S 3.2.1 |
+//! | guard for γ < Θ | [`warp::guarded_eta`] | L 4.4 |
+//! | C (projection centre) | `center` in [`fit::fit_light_view`] | S 4.1 |
+//! | P, W, A_fit | `clip_from_light` of [`fit::LightFit`] | S 3.1.2 eq. 3.1, 3.2.1 |
+//! | m_x, m_z | [`error::error_across`], [`error::error_along`] | S eq. 2.3 to 2.8; L eq. 7, 8 |
+//! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
+//! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
 
+pub mod body;
+pub mod bounds;
+mod clip;
+pub mod error;
+pub mod fit;
+pub mod footprint;
+mod hull;
+pub mod polytope;
 pub mod split;
+pub mod view;
 pub mod warp;

@@ -1,1 +1,10 @@
 //! Pure mathematics against the oracles of the papers and against properties.
+
+mod body;
+mod fit;
+mod footprint;
+mod polytope;
+mod properties;
+mod split;
+mod support;
+mod warp;

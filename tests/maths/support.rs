@@ -1,0 +1,75 @@
+//! Cameras, lights and scenes that several tests use.
+
+use bevy_math::DVec3;
+use umbrage::maths::{
+    body::{intersection_body, light_visible},
+    bounds::Bounds,
+    fit::{FitInput, LightFit, fit_light_view},
+    polytope::Polytope,
+    view::ViewVolume,
+    warp::Warp,
+};
+
+/// 2 tan Θ for Θ = 30°, the papers' camera.
+pub(crate) const OPENING: f64 = 1.154_700_538_379_251_7;
+
+/// The papers' camera: full field of view 60°, square, at the origin, looking along −z.
+pub(crate) fn papers_camera(near: f64, far: f64) -> ViewVolume {
+    ViewVolume::perspective(
+        DVec3::ZERO,
+        DVec3::NEG_Z,
+        DVec3::Y,
+        60.0_f64.to_radians(),
+        1.0,
+        near,
+        far,
+    )
+    .expect("a proper camera")
+}
+
+/// A light that travels at `degrees` to the view direction −z: 0 from behind the viewer, 90 from above.
+pub(crate) fn light_at(degrees: f64) -> DVec3 {
+    let angle = degrees.to_radians();
+    DVec3::new(0.0, -angle.sin(), -angle.cos())
+}
+
+/// A scene that contains every view frustum of the tests.
+pub(crate) fn huge_scene() -> Bounds {
+    Bounds::new(DVec3::splat(-1.0e5), DVec3::splat(1.0e5))
+}
+
+/// H and B of a camera in a scene.
+pub(crate) fn bodies(
+    view: &ViewVolume,
+    scene: &Bounds,
+    light_travel: DVec3,
+) -> (Polytope, Polytope) {
+    let visible = light_visible(view, scene);
+    let body = intersection_body(&visible, scene, light_travel);
+    (visible, body)
+}
+
+/// The light view of the whole camera range, without guard texels.
+pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: Warp) -> LightFit {
+    let (visible, body) = bodies(view, scene, light_travel);
+    fit_light_view(&FitInput {
+        view,
+        visible: &visible,
+        body: &body,
+        light_travel,
+        warp,
+        map_size: 1024,
+        guard_texels: 0.0,
+    })
+    .fitted()
+    .expect("a proper camera, scene and light")
+}
+
+/// Asserts equality to a relative tolerance.
+#[track_caller]
+pub(crate) fn close(actual: f64, expected: f64, relative: f64) {
+    assert!(
+        (actual - expected).abs() <= relative * expected.abs().max(1.0e-12),
+        "{actual} is not {expected} to a relative {relative}"
+    );
+}
