@@ -54,7 +54,10 @@ pub enum HeadlessError {
 
 /// The backends that Umbrage can use: OpenGL lacks indirect drawing from compute shaders.
 fn backends() -> Backends {
-    WgpuSettings::default().backends.unwrap_or(Backends::PRIMARY) - Backends::GL
+    WgpuSettings::default()
+        .backends
+        .unwrap_or(Backends::PRIMARY)
+        - Backends::GL
 }
 
 /// Whether any adapter is there. Bevy's renderer panics where none is, so this must be asked before.
@@ -171,7 +174,8 @@ pub fn pipelines(app: &App) -> Pipelines {
         if let CachedPipelineState::Err(error) = &pipeline.state
             && !matches!(
                 error,
-                ShaderCacheError::ShaderNotLoaded(_) | ShaderCacheError::ShaderImportNotYetAvailable
+                ShaderCacheError::ShaderNotLoaded(_)
+                    | ShaderCacheError::ShaderImportNotYetAvailable
             )
         {
             return Pipelines::Failed(error.to_string());
