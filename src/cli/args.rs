@@ -94,12 +94,7 @@ pub struct Shoot {
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
     /// Which pictures, as `list passes` names them
-    #[arg(
-        long,
-        value_name = "P,P",
-        value_delimiter = ',',
-        default_value = "beauty"
-    )]
+    #[arg(long, value_name = "P,P", value_delimiter = ',', default_value = "beauty")]
     pub passes: Vec<Pass>,
     /// Only every N-th shot, beginning with the I-th (from 1)
     #[arg(long, value_name = "I/N", default_value = "1/1")]
@@ -214,18 +209,9 @@ mod tests {
             _ => None,
         };
         assert_eq!(technique("umbrage play"), Some(Technique::default()));
-        assert_eq!(
-            technique("umbrage play city --preset low"),
-            Technique::preset("low")
-        );
-        assert_eq!(
-            technique("umbrage play --technique bevy"),
-            Some(Technique::Bevy)
-        );
-        assert_eq!(
-            technique("umbrage play --technique bevy --preset low"),
-            None
-        );
+        assert_eq!(technique("umbrage play city --preset low"), Technique::preset("low"));
+        assert_eq!(technique("umbrage play --technique bevy"), Some(Technique::Bevy));
+        assert_eq!(technique("umbrage play --technique bevy --preset low"), None);
     }
 
     #[test]
@@ -240,11 +226,7 @@ mod tests {
             "umbrage play --preset best",
             "umbrage list",
         ] {
-            assert_eq!(
-                parse(text).map_err(|error| error.exit_code()).err(),
-                Some(2),
-                "{text}"
-            );
+            assert_eq!(parse(text).map_err(|error| error.exit_code()).err(), Some(2), "{text}");
         }
     }
 }

@@ -35,11 +35,7 @@ pub(super) fn run(assets: Option<&Path>, what: &ListWhat) -> Result<(), Failure>
 
 fn techniques() {
     for technique in Technique::all() {
-        say(format!(
-            "{:<20} {}",
-            technique.to_string(),
-            technique.summary()
-        ));
+        say(format!("{:<20} {}", technique.to_string(), technique.summary()));
     }
     say("\npresets");
     for (name, settings) in PRESETS {
@@ -78,7 +74,6 @@ fn shots(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
 /// Reads the file of a level.
 fn level(root: &AssetRoot, name: &str) -> Result<Level, Failure> {
     let path = root.levels().join(format!("{name}.{EXTENSION}"));
-    let bytes = fs::read(&path)
-        .map_err(|error| Failure::Failed(format!("cannot read {}: {error}", path.display())))?;
+    let bytes = fs::read(&path).map_err(|error| Failure::Failed(format!("cannot read {}: {error}", path.display())))?;
     parse(&bytes).map_err(|error| Failure::Failed(format!("{}: {error}", path.display())))
 }

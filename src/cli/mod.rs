@@ -81,10 +81,7 @@ fn run(args: Args) -> Result<(), Failure> {
 }
 
 fn play(_assets: Option<&std::path::Path>, args: &args::Play) -> Result<(), Failure> {
-    Err(Failure::Failed(format!(
-        "playing {} needs the demo, which is not in this build",
-        args.scene
-    )))
+    Err(Failure::Failed(format!("playing {} needs the demo, which is not in this build", args.scene)))
 }
 
 /// One line of result on stdout. A reader that has gone away, as in `umbrage list scenes | head -1`, is no error.

@@ -19,13 +19,7 @@ pub enum Pass {
 
 impl Pass {
     /// Every pass.
-    pub const ALL: [Self; 5] = [
-        Self::Beauty,
-        Self::Lit,
-        Self::Mask,
-        Self::Depth,
-        Self::Normal,
-    ];
+    pub const ALL: [Self; 5] = [Self::Beauty, Self::Lit, Self::Mask, Self::Depth, Self::Normal];
 
     /// The name on the command line and in file names.
     #[must_use]
@@ -45,15 +39,9 @@ impl Pass {
         match self {
             Self::Beauty => "the picture, with shadows; 8-bit sRGB",
             Self::Lit => "the same without the sun's shadows",
-            Self::Mask => {
-                "the sun's visibility; 8-bit: 255 lit, 0 in shadow or facing away, sky 255"
-            }
-            Self::Depth => {
-                "view depth ÷ the shot's far plane × 65535; 16-bit, linear, sky and beyond 65535"
-            }
-            Self::Normal => {
-                "world-space normal, (n + 1) ÷ 2 × 255 in red, green and blue; 8-bit, sky black"
-            }
+            Self::Mask => "the sun's visibility; 8-bit: 255 lit, 0 in shadow or facing away, sky 255",
+            Self::Depth => "view depth ÷ the shot's far plane × 65535; 16-bit, linear, sky and beyond 65535",
+            Self::Normal => "world-space normal, (n + 1) ÷ 2 × 255 in red, green and blue; 8-bit, sky black",
         }
     }
 
@@ -74,14 +62,11 @@ impl FromStr for Pass {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|pass| pass.name() == text)
-            .ok_or_else(|| {
-                format!(
-                    "there is no pass `{text}`; there are {}",
-                    Self::ALL.map(Self::name).join(", ")
-                )
-            })
+        Self::ALL.into_iter().find(|pass| pass.name() == text).ok_or_else(|| {
+            format!(
+                "there is no pass `{text}`; there are {}",
+                Self::ALL.map(Self::name).join(", ")
+            )
+        })
     }
 }

@@ -45,12 +45,7 @@ pub fn file_name(scene: &str, shot: &str, technique: &str, pass: Pass) -> String
             })
             .collect()
     };
-    format!(
-        "{}_{}_{}_{pass}.png",
-        clean(scene),
-        clean(shot),
-        clean(technique)
-    )
+    format!("{}_{}_{}_{pass}.png", clean(scene), clean(shot), clean(technique))
 }
 
 /// Writes texels of a pass as PNG, encoded as [`Pass::about`] says. `far` is the shot's far plane.
@@ -62,10 +57,7 @@ pub fn write_png(path: &Path, texels: &Texels, pass: Pass, far: f32) -> Result<(
         TextureFormat::Rgba8UnormSrgb | TextureFormat::Rgba8Unorm => {
             let (pixels, _) = texels.bytes.as_chunks::<4>();
             (
-                pixels
-                    .iter()
-                    .flat_map(|[r, g, b, _]| [*r, *g, *b])
-                    .collect(),
+                pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
                 ColorType::Rgb8,
             )
         }
@@ -88,18 +80,12 @@ pub fn write_png(path: &Path, texels: &Texels, pass: Pass, far: f32) -> Result<(
         }
     };
     let mut png = Cursor::new(Vec::new());
-    image::write_buffer_with_format(
-        &mut png,
-        &bytes,
-        texels.width,
-        texels.height,
-        color,
-        ImageFormat::Png,
-    )
-    .map_err(|error| WriteError::Encode {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })?;
+    image::write_buffer_with_format(&mut png, &bytes, texels.width, texels.height, color, ImageFormat::Png).map_err(
+        |error| WriteError::Encode {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        },
+    )?;
     write_whole(path, png.get_ref())
 }
 
@@ -151,8 +137,7 @@ pub fn make_folder(path: &Path) -> Result<(), String> {
             path.display()
         ));
     }
-    fs::create_dir_all(path)
-        .map_err(|error| format!("cannot make the output folder {}: {error}", path.display()))
+    fs::create_dir_all(path).map_err(|error| format!("cannot make the output folder {}: {error}", path.display()))
 }
 
 #[cfg(test)]
@@ -181,10 +166,7 @@ mod tests {
         write_whole(&path, b"two").expect("replaced");
         assert_eq!(fs::read(&path).expect("there"), b"two");
         let missing = folder.path().join("none/a.bin");
-        assert!(
-            write_whole(&missing, b"x")
-                .is_err_and(|error| error.to_string().contains("cannot write"))
-        );
+        assert!(write_whole(&missing, b"x").is_err_and(|error| error.to_string().contains("cannot write")));
         assert_eq!(
             fs::read_dir(folder.path()).expect("a folder").count(),
             1,
@@ -200,10 +182,7 @@ mod tests {
             width: 2,
             height: 1,
             format: TextureFormat::R32Float,
-            bytes: [10.0f32, 0.0]
-                .iter()
-                .flat_map(|depth| depth.to_le_bytes())
-                .collect(),
+            bytes: [10.0f32, 0.0].iter().flat_map(|depth| depth.to_le_bytes()).collect(),
         };
         write_png(&path, &texels, Pass::Depth, 100.0).expect("written");
         let image = image::open(&path).expect("a picture").into_luma16();

@@ -78,8 +78,7 @@ pub enum ShotError {
     },
 }
 
-const EXAMPLE: &str =
-    r#"{"shots":[{"name":"front","position":[0,2,9],"target":[0,1,0],"light_dir":[-1,-2,-1]}]}"#;
+const EXAMPLE: &str = r#"{"shots":[{"name":"front","position":[0,2,9],"target":[0,1,0],"light_dir":[-1,-2,-1]}]}"#;
 
 /// Reads and checks a shots file.
 ///
@@ -100,9 +99,7 @@ fn parse_shots(file: &Path, text: &str) -> Result<Vec<Shot>, ShotError> {
         source,
     })?;
     let Some(list) = root.get("shots").and_then(Value::as_array) else {
-        return Err(ShotError::Shape {
-            file: file.to_owned(),
-        });
+        return Err(ShotError::Shape { file: file.to_owned() });
     };
     let in_file = |shot: String, problem: String| ShotError::InFile {
         file: file.to_owned(),
@@ -139,25 +136,18 @@ fn shot_from(value: &Value) -> Result<Shot, String> {
         }
     }
     for vector in ["position", "target", "up", "light_dir"] {
-        field(
-            fields,
-            vector,
-            "three numbers, as in [0, 1.5, -2]",
-            |value| {
-                value
-                    .as_array()
-                    .is_some_and(|list| list.len() == 3 && list.iter().all(is_finite))
-            },
-        )?;
+        field(fields, vector, "three numbers, as in [0, 1.5, -2]", |value| {
+            value
+                .as_array()
+                .is_some_and(|list| list.len() == 3 && list.iter().all(is_finite))
+        })?;
     }
     for number in ["fov_y_deg", "near", "far"] {
         field(fields, number, "a number", is_finite)?;
     }
     for size in ["width", "height"] {
         field(fields, size, "a whole number of pixels", |value| {
-            value
-                .as_u64()
-                .is_some_and(|pixels| u32::try_from(pixels).is_ok())
+            value.as_u64().is_some_and(|pixels| u32::try_from(pixels).is_ok())
         })?;
     }
     for text in ["name", "scene"] {
@@ -168,29 +158,17 @@ fn shot_from(value: &Value) -> Result<Shot, String> {
     serde_json::from_value(value.clone()).map_err(|error| error.to_string())
 }
 
-fn field(
-    fields: &Map<String, Value>,
-    name: &str,
-    expected: &str,
-    fits: impl Fn(&Value) -> bool,
-) -> Result<(), String> {
+fn field(fields: &Map<String, Value>, name: &str, expected: &str, fits: impl Fn(&Value) -> bool) -> Result<(), String> {
     match fields.get(name) {
-        Some(value) if !fits(value) => Err(format!(
-            "the field `{name}` is {value}, but must be {expected}"
-        )),
+        Some(value) if !fits(value) => Err(format!("the field `{name}` is {value}, but must be {expected}")),
         _ => Ok(()),
     }
 }
 
 /// A number that stays finite in single precision.
 fn is_finite(value: &Value) -> bool {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the overflow is what is tested"
-    )]
-    value
-        .as_f64()
-        .is_some_and(|number| (number as f32).is_finite())
+    #[expect(clippy::cast_possible_truncation, reason = "the overflow is what is tested")]
+    value.as_f64().is_some_and(|number| (number as f32).is_finite())
 }
 
 /// Checks that a picture can be taken of a shot.
@@ -205,25 +183,16 @@ pub fn check(shot: &Shot) -> Result<(), String> {
         ("light_dir", shot.light_dir),
     ] {
         if !Vec3::from(vector).is_finite() {
-            return Err(format!(
-                "`{name}` is {vector:?}, but must be three finite numbers"
-            ));
+            return Err(format!("`{name}` is {vector:?}, but must be three finite numbers"));
         }
     }
-    for (name, number) in [
-        ("fov_y_deg", shot.fov_y_deg),
-        ("near", shot.near),
-        ("far", shot.far),
-    ] {
+    for (name, number) in [("fov_y_deg", shot.fov_y_deg), ("near", shot.near), ("far", shot.far)] {
         if !number.is_finite() {
             return Err(format!("`{name}` is {number}, but must be a finite number"));
         }
     }
     if !(1.0..=170.0).contains(&shot.fov_y_deg) {
-        return Err(format!(
-            "`fov_y_deg` is {}, but must be 1 to 170",
-            shot.fov_y_deg
-        ));
+        return Err(format!("`fov_y_deg` is {}, but must be 1 to 170", shot.fov_y_deg));
     }
     if shot.near <= 0.0 {
         return Err(format!("`near` is {}, but must be above 0", shot.near));
@@ -236,22 +205,14 @@ pub fn check(shot: &Shot) -> Result<(), String> {
     }
     for (name, pixels) in [("width", shot.width), ("height", shot.height)] {
         if !(1..=MAX_SIZE).contains(&pixels) {
-            return Err(format!(
-                "`{name}` is {pixels}, but must be 1 to {MAX_SIZE} pixels"
-            ));
+            return Err(format!("`{name}` is {pixels}, but must be 1 to {MAX_SIZE} pixels"));
         }
     }
     let Some(_) = Vec3::from(shot.light_dir).try_normalize() else {
-        return Err(
-            "`light_dir` is zero, but must be the direction in which sunlight travels".to_owned(),
-        );
+        return Err("`light_dir` is zero, but must be the direction in which sunlight travels".to_owned());
     };
-    let Some(forward) = (Vec3::from(shot.target) - Vec3::from(shot.position)).try_normalize()
-    else {
-        return Err(
-            "`position` and `target` are the same point, so that there is no view direction"
-                .to_owned(),
-        );
+    let Some(forward) = (Vec3::from(shot.target) - Vec3::from(shot.position)).try_normalize() else {
+        return Err("`position` and `target` are the same point, so that there is no view direction".to_owned());
     };
     let Some(up) = Vec3::from(shot.up).try_normalize() else {
         return Err("`up` is zero, but must be a direction".to_owned());
@@ -277,10 +238,7 @@ pub fn for_scene(all: &[Shot], scene: &str) -> Vec<Shot> {
 /// # Errors
 /// A name that is not there, with those that are.
 pub fn named(shots: Vec<Shot>, names: &[String], scene: &str) -> Result<Vec<Shot>, ShotError> {
-    if let Some(unknown) = names
-        .iter()
-        .find(|name| !shots.iter().any(|shot| shot.name == **name))
-    {
+    if let Some(unknown) = names.iter().find(|name| !shots.iter().any(|shot| shot.name == **name)) {
         return Err(ShotError::Unknown {
             scene: scene.to_owned(),
             shot: unknown.clone(),
@@ -329,9 +287,7 @@ impl std::str::FromStr for Shard {
             .split_once('/')
             .map(|(index, count)| (index.parse(), count.parse()));
         match parts {
-            Some((Ok(index), Ok(count))) if (1..=count).contains(&index) => {
-                Ok(Self { index, count })
-            }
+            Some((Ok(index), Ok(count))) if (1..=count).contains(&index) => Ok(Self { index, count }),
             _ => Err("a shard is I/N with I from 1 to N, as in 2/8".to_owned()),
         }
     }
@@ -354,11 +310,7 @@ impl std::str::FromStr for Size {
             .split_once(['x', 'X'])
             .map(|(width, height)| (width.parse(), height.parse()));
         match parts {
-            Some((Ok(width), Ok(height)))
-                if [width, height]
-                    .iter()
-                    .all(|side| (1..=MAX_SIZE).contains(side)) =>
-            {
+            Some((Ok(width), Ok(height))) if [width, height].iter().all(|side| (1..=MAX_SIZE).contains(side)) => {
                 Ok(Self { width, height })
             }
             _ => Err(format!(
@@ -430,19 +382,10 @@ mod tests {
             ("up", "[0, 0, 0]", "`up` is zero"),
         ] {
             let message = with(field, value).expect_err(field);
-            assert!(
-                message.contains(part),
-                "{field}={value}: {message:?} lacks {part:?}"
-            );
-            assert!(
-                message.starts_with("dir/shots.json: shot `front`:"),
-                "{message:?}"
-            );
+            assert!(message.contains(part), "{field}={value}: {message:?} lacks {part:?}");
+            assert!(message.starts_with("dir/shots.json: shot `front`:"), "{message:?}");
         }
-        assert!(
-            with("name", "")
-                .is_err_and(|message| message.contains("shot number 1: the field `name`"))
-        );
+        assert!(with("name", "").is_err_and(|message| message.contains("shot number 1: the field `name`")));
     }
 
     #[test]
@@ -450,8 +393,7 @@ mod tests {
         assert!(parse("{").is_err_and(|message| message.contains("not JSON")));
         assert!(parse("[]").is_err_and(|message| message.contains("no list `shots`")));
         assert!(parse("{\"shots\":[7]}").is_err_and(|message| message.contains("not an object")));
-        let missing =
-            read_shots(Path::new("/nonexistent/shots.json")).map_err(|error| error.to_string());
+        let missing = read_shots(Path::new("/nonexistent/shots.json")).map_err(|error| error.to_string());
         assert!(missing.is_err_and(|message| message.contains("/nonexistent/shots.json")));
     }
 
@@ -469,33 +411,22 @@ mod tests {
             scene: scene.map(str::to_owned),
             ..parse(EXAMPLE).expect("valid").remove(0)
         };
-        let all = [
-            shot("a", None),
-            shot("b", Some("forest")),
-            shot("c", Some("city")),
-        ];
+        let all = [shot("a", None), shot("b", Some("forest")), shot("c", Some("city"))];
         let names = |shots: Vec<Shot>| shots.into_iter().map(|shot| shot.name).collect::<Vec<_>>();
         assert_eq!(names(for_scene(&all, "forest")), ["a", "b"]);
         let forest = for_scene(&all, "forest");
         assert_eq!(
-            named(forest.clone(), &["b".to_owned()], "forest")
-                .map(names)
-                .ok(),
+            named(forest.clone(), &["b".to_owned()], "forest").map(names).ok(),
             Some(vec!["b".to_owned()])
         );
         let unknown = named(forest, &["z".to_owned()], "forest").map_err(|error| error.to_string());
-        assert_eq!(
-            unknown,
-            Err("forest has no shot `z`; it has a and b".to_owned())
-        );
+        assert_eq!(unknown, Err("forest has no shot `z`; it has a and b".to_owned()));
     }
 
     #[test]
     fn shards_take_every_item_once() {
         for place in 0..20 {
-            let takers = (1..=3)
-                .filter(|&index| Shard { index, count: 3 }.takes(place))
-                .count();
+            let takers = (1..=3).filter(|&index| Shard { index, count: 3 }.takes(place)).count();
             assert_eq!(takers, 1, "place {place}");
         }
         for wrong in ["0/4", "5/4", "1", "a/b", "1/0"] {

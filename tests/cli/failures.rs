@@ -4,8 +4,7 @@ use std::fs;
 
 use crate::{assert_sentence, glb, run_in, umbrage};
 
-const SHOT: &str =
-    r#"{"name":"front","position":[6,5,8],"target":[0,1,0],"light_dir":[-1,-2,-0.5]}"#;
+const SHOT: &str = r#"{"name":"front","position":[6,5,8],"target":[0,1,0],"light_dir":[-1,-2,-0.5]}"#;
 
 #[test]
 fn wrong_scene_files() {
@@ -13,11 +12,7 @@ fn wrong_scene_files() {
     let whole = glb::bytes(&glb::box_on_plane());
     fs::write(folder.path().join("short.glb"), &whole[..whole.len() / 2]).expect("written");
     fs::write(folder.path().join("empty.glb"), b"").expect("written");
-    fs::write(
-        folder.path().join("text.glb"),
-        b"these are not the bytes of a scene",
-    )
-    .expect("written");
+    fs::write(folder.path().join("text.glb"), b"these are not the bytes of a scene").expect("written");
     for (scene, parts) in [
         ("missing.glb", &["missing.glb", "no such file"][..]),
         ("short.glb", &["short.glb", "truncated"]),
@@ -26,10 +21,7 @@ fn wrong_scene_files() {
         ("no_such_level", &["no_such_level", "forest"]),
     ] {
         assert_sentence(&run_in(folder.path(), &format!("shoot {scene}")), 1, parts);
-        assert!(
-            !folder.path().join("out").exists(),
-            "{scene}: nothing is begun"
-        );
+        assert!(!folder.path().join("out").exists(), "{scene}: nothing is begun");
     }
 }
 
@@ -53,10 +45,7 @@ fn wrong_shots_files() {
             &["`front`", "same point"],
         ),
         (
-            format!(
-                "{{\"shots\":[{}]}}",
-                SHOT.replace("[-1,-2,-0.5]", "[0,0,0]")
-            ),
+            format!("{{\"shots\":[{}]}}", SHOT.replace("[-1,-2,-0.5]", "[0,0,0]")),
             &["`front`", "`light_dir` is zero"],
         ),
         (
@@ -65,11 +54,7 @@ fn wrong_shots_files() {
         ),
     ] {
         fs::write(folder.path().join("shots.json"), &text).expect("written");
-        assert_sentence(
-            &run_in(folder.path(), "shoot box.glb --shots shots.json"),
-            1,
-            parts,
-        );
+        assert_sentence(&run_in(folder.path(), "shoot box.glb --shots shots.json"), 1, parts);
     }
     assert_sentence(
         &run_in(folder.path(), "shoot box.glb --shots none.json"),
@@ -85,10 +70,7 @@ fn the_output_folder_is_a_file() {
     fs::write(folder.path().join("taken"), b"kept").expect("written");
     let output = run_in(folder.path(), "shoot box.glb --out taken");
     assert_sentence(&output, 1, &["taken", "is a file"]);
-    assert_eq!(
-        fs::read(folder.path().join("taken")).expect("there"),
-        b"kept"
-    );
+    assert_eq!(fs::read(folder.path().join("taken")).expect("there"), b"kept");
 }
 
 #[test]
@@ -106,11 +88,7 @@ fn no_graphics_adapter() {
     assert_sentence(
         &output,
         1,
-        &[
-            "no graphics adapter",
-            "mesa-vulkan-drivers",
-            "VK_DRIVER_FILES",
-        ],
+        &["no graphics adapter", "mesa-vulkan-drivers", "VK_DRIVER_FILES"],
     );
 }
 
@@ -118,22 +96,11 @@ fn no_graphics_adapter() {
 fn shots_that_are_not_there() {
     let folder = tempfile::tempdir().expect("a folder");
     glb::write(&folder.path().join("box.glb"), &glb::box_on_plane());
-    fs::write(
-        folder.path().join("shots.json"),
-        format!("{{\"shots\":[{SHOT}]}}"),
-    )
-    .expect("written");
-    let output = run_in(
-        folder.path(),
-        "shoot box.glb --shots shots.json --shot back",
-    );
+    fs::write(folder.path().join("shots.json"), format!("{{\"shots\":[{SHOT}]}}")).expect("written");
+    let output = run_in(folder.path(), "shoot box.glb --shots shots.json --shot back");
     assert_sentence(&output, 2, &["no shot `back`", "front"]);
     let other = SHOT.replace("{\"name\"", "{\"scene\":\"tower\",\"name\"");
-    fs::write(
-        folder.path().join("other.json"),
-        format!("{{\"shots\":[{other}]}}"),
-    )
-    .expect("written");
+    fs::write(folder.path().join("other.json"), format!("{{\"shots\":[{other}]}}")).expect("written");
     let output = run_in(folder.path(), "shoot box.glb --shots other.json");
     assert_sentence(&output, 1, &["no shots for box", "tower"]);
 }

@@ -49,18 +49,12 @@ pub(crate) fn bytes(nodes: &[Node]) -> Vec<u8> {
         push(
             &mut bin,
             &mut views,
-            positions
-                .iter()
-                .flatten()
-                .flat_map(|number| number.to_le_bytes()),
+            positions.iter().flatten().flat_map(|number| number.to_le_bytes()),
         );
         push(
             &mut bin,
             &mut views,
-            normals
-                .iter()
-                .flatten()
-                .flat_map(|number| number.to_le_bytes()),
+            normals.iter().flatten().flat_map(|number| number.to_le_bytes()),
         );
         push(
             &mut bin,
@@ -134,10 +128,7 @@ fn cube_faces() -> Vec<([f32; 3], f32)> {
 fn mesh(faces: &[([f32; 3], f32)]) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<u16>) {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for (normal, distance) in faces {
-        let axis = normal
-            .iter()
-            .position(|number| *number != 0.0)
-            .expect("a unit axis");
+        let axis = normal.iter().position(|number| *number != 0.0).expect("a unit axis");
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let first = u16::try_from(positions.len()).expect("few vertices");
         for (a, b) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {

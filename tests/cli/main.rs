@@ -22,9 +22,7 @@ fn umbrage() -> Command {
 /// Runs `umbrage` with arguments separated by spaces, in a folder.
 fn run_in(folder: &Path, arguments: &str) -> Output {
     let mut command = umbrage();
-    command
-        .current_dir(folder)
-        .args(arguments.split_whitespace());
+    command.current_dir(folder).args(arguments.split_whitespace());
     command.output().expect("the executable starts")
 }
 
@@ -43,11 +41,7 @@ fn assert_sentence(output: &Output, code: i32, parts: &[&str]) {
     }
     assert!(!text.contains("panicked"), "{text}");
     if code == 1 {
-        assert_eq!(
-            text.trim_end().lines().count(),
-            1,
-            "more than a sentence: {text}"
-        );
+        assert_eq!(text.trim_end().lines().count(), 1, "more than a sentence: {text}");
         assert!(text.starts_with("umbrage: "), "{text}");
     }
 }

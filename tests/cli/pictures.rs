@@ -13,7 +13,7 @@ use umbrage::{
 use crate::{glb, run_in, stderr};
 
 const SHOTS: &str = r#"{"shots":[
-    {"name":"front","position":[6,5,8],"target":[0,1,0],"light_dir":[1,-1,0.3],"far":60,"width":160,"height":90}
+    {"name":"front","position":[3.5,3.5,5],"target":[0,1,0],"light_dir":[1,-1,0.3],"far":60,"width":160,"height":90}
 ]}"#;
 
 fn rgb(path: &Path) -> RgbImage {
@@ -59,8 +59,7 @@ fn the_mask_explains_the_beauty() {
     for (x, y, value) in mask.enumerate_pixels() {
         let (with, without) = (beauty.get_pixel(x, y), lit.get_pixel(x, y));
         let is_sky = depth.get_pixel(x, y).0 == [u16::MAX];
-        let faces_away = normal.get_pixel(x, y).0 == [255, 128, 128]
-            || normal.get_pixel(x, y).0 == [128, 128, 255];
+        let faces_away = normal.get_pixel(x, y).0 == [255, 128, 128] || normal.get_pixel(x, y).0 == [128, 128, 255];
         match value.0 {
             [255] => {
                 lit_pixels += usize::from(!is_sky);
@@ -83,8 +82,7 @@ fn the_mask_explains_the_beauty() {
         "{wrong} pixels contradict the mask"
     );
 
-    let stats: Value =
-        serde_json::from_slice(&fs::read(out.join("stats.json")).expect("there")).expect("JSON");
+    let stats: Value = serde_json::from_slice(&fs::read(out.join("stats.json")).expect("there")).expect("JSON");
     let take = &stats["takes"][0];
     assert_eq!(
         (take["casters"].as_u64(), take["maps"]["count"].as_u64()),
@@ -93,21 +91,10 @@ fn the_mask_explains_the_beauty() {
     );
     assert_eq!(take["maps"]["bytes"].as_u64(), Some(64 << 20));
     assert_eq!(take["light_views"].as_array().map(Vec::len), Some(4));
-    assert_eq!(
-        take["light_views"][3]["far_depth"].as_f64().map(f64::round),
-        Some(60.0)
-    );
+    assert_eq!(take["light_views"][3]["far_depth"].as_f64().map(f64::round), Some(60.0));
     assert_eq!(take["is_still"], Value::Bool(true));
-    assert!(
-        stats["adapter"]["name"]
-            .as_str()
-            .is_some_and(|name| !name.is_empty())
-    );
-    assert!(
-        take["frame_ms"]["median"]
-            .as_f64()
-            .is_some_and(|time| time > 0.0)
-    );
+    assert!(stats["adapter"]["name"].as_str().is_some_and(|name| !name.is_empty()));
+    assert!(take["frame_ms"]["median"].as_f64().is_some_and(|time| time > 0.0));
 }
 
 #[test]
@@ -119,9 +106,7 @@ fn the_same_input_gives_the_same_pictures() {
             &format!("shoot box.glb --shots shots.json --technique bevy --size 96x54 --out {out}"),
         );
     }
-    let read = |out: &str| {
-        fs::read(folder.path().join(out).join("box_front_bevy_beauty.png")).expect("a picture")
-    };
+    let read = |out: &str| fs::read(folder.path().join(out).join("box_front_bevy_beauty.png")).expect("a picture");
     assert_eq!(read("one"), read("two"));
     assert_eq!(
         rgb(&folder.path().join("one/box_front_bevy_beauty.png")).dimensions(),
@@ -137,11 +122,7 @@ fn a_scene_without_shots_gets_one() {
         "shoot box.glb --technique bevy --size 64x36 --passes mask",
     );
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(
-        stderr(&output).contains("box"),
-        "a note says so: {}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("box"), "a note says so: {}", stderr(&output));
     assert!(output.stdout.is_empty(), "silence in a pipe");
     let pictures: Vec<_> = fs::read_dir(folder.path().join("out"))
         .expect("a folder")
@@ -153,9 +134,7 @@ fn a_scene_without_shots_gets_one() {
         .map(fs::DirEntry::path)
         .find(|path| path.extension().is_some_and(|end| end == "png"));
     let mask = gray(&mask.expect("a picture"));
-    assert!(
-        mask.pixels().any(|pixel| pixel.0 == [0]) && mask.pixels().any(|pixel| pixel.0 == [255])
-    );
+    assert!(mask.pixels().any(|pixel| pixel.0 == [0]) && mask.pixels().any(|pixel| pixel.0 == [255]));
 }
 
 #[test]
@@ -167,11 +146,7 @@ fn shards_share_the_shots() {
         )
     };
     let list = ["a", "b", "c"].map(shot).join(",");
-    fs::write(
-        folder.path().join("shots.json"),
-        format!("{{\"shots\":[{list}]}}"),
-    )
-    .expect("written");
+    fs::write(folder.path().join("shots.json"), format!("{{\"shots\":[{list}]}}")).expect("written");
     shoot(
         folder.path(),
         "shoot box.glb --shots shots.json --technique bevy --shard 2/2",
@@ -195,11 +170,7 @@ fn field() -> Vec<glb::Node> {
     nodes[0].scale = [80.0, 1.0, 80.0];
     nodes.extend((0..300).map(|index| glb::Node {
         mesh: glb::Mesh::Cube,
-        translation: [
-            (index % 20) as f32 * 3.0 - 30.0,
-            0.5,
-            (index / 20) as f32 * 3.0 - 22.0,
-        ],
+        translation: [(index % 20) as f32 * 3.0 - 30.0, 0.5, (index / 20) as f32 * 3.0 - 22.0],
         scale: [1.0; 3],
     }));
     nodes
@@ -211,9 +182,8 @@ fn nodes_that_share_a_mesh_stay_instances() {
     let path = folder.path().join("field.glb");
     glb::write(&path, &field());
     let root = asset_root(None).expect("the crate has levels");
-    let mut app =
-        headless::app(&root.assets()).expect("a graphics adapter: install mesa-vulkan-drivers");
-    app.add_plugins(LevelPlugin { root });
+    let mut app = headless::app(&root).expect("a graphics adapter: install mesa-vulkan-drivers");
+    app.add_plugins(LevelPlugin { assets: root });
     headless::finish(&mut app);
     let scene = path.to_str().expect("text").parse().expect("a scene");
     app.insert_resource(RequestedScene(Some(scene)));
@@ -239,11 +209,7 @@ fn nodes_that_share_a_mesh_stay_instances() {
 fn hundreds_of_instances_are_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     glb::write(&folder.path().join("field.glb"), &field());
-    fs::write(
-        folder.path().join("shots.json"),
-        SHOTS.replace("[6,5,8]", "[0,20,40]"),
-    )
-    .expect("written");
+    fs::write(folder.path().join("shots.json"), SHOTS.replace("[3.5,3.5,5]", "[0,20,40]")).expect("written");
     shoot(
         folder.path(),
         "shoot field.glb --shots shots.json --technique bevy --passes mask --size 160x90",

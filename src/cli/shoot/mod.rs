@@ -24,8 +24,7 @@ use super::{
 };
 use crate::{
     level::{
-        LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root,
-        scene::SceneSource, shot::Shot,
+        LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root, scene::SceneSource, shot::Shot,
     },
     render::{UmbragePlugins, mask::MaskPlugin},
 };
@@ -45,7 +44,7 @@ pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
         .transpose()
         .map_err(Failure::failed)?;
     pictures::make_folder(&args.out).map_err(Failure::Failed)?;
-    let mut app = headless::app(&root.assets()).map_err(Failure::failed)?;
+    let mut app = headless::app(&root).map_err(Failure::failed)?;
     app.add_plugins((LevelPlugin { assets: root }, UmbragePlugins, MaskPlugin));
     headless::finish(&mut app);
     let mut session = Session {
@@ -57,10 +56,7 @@ pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
         place: 0,
         bar: progress_bar(),
     };
-    let result = args
-        .scenes
-        .iter()
-        .try_for_each(|scene| session.shoot_scene(scene));
+    let result = args.scenes.iter().try_for_each(|scene| session.shoot_scene(scene));
     session.bar.finish_and_clear();
     result
 }
@@ -103,8 +99,7 @@ impl Session<'_> {
         let Some(sun) = sun else {
             return Err(Failure::Failed(format!("{scene} has no sun")));
         };
-        self.bar
-            .inc_length((shots.len() * self.args.techniques.len()) as u64);
+        self.bar.inc_length((shots.len() * self.args.techniques.len()) as u64);
         for shot in shots {
             self.shoot_shot(&scene, &shot, sun)?;
         }
@@ -122,8 +117,7 @@ impl Session<'_> {
                 SceneStatus::Ready => return Ok(()),
                 SceneStatus::Failed(problem) => return Err(Failure::Failed(problem.clone())),
                 SceneStatus::Loading { done, total, what } => {
-                    self.bar
-                        .set_message(format!("{source}: {what} {done}/{total}"));
+                    self.bar.set_message(format!("{source}: {what} {done}/{total}"));
                 }
                 SceneStatus::Idle => {}
             }
@@ -136,17 +130,17 @@ impl Session<'_> {
     fn shots_of(&mut self, scene: &str) -> Result<Vec<Shot>, Failure> {
         let all = match (&self.from_file, &self.args.shots) {
             (Some(shots), Some(file)) => of_file(shots, file, scene)?,
-            _ => self.app.world().resource::<LoadedScene>().shots.clone(),
+            _ => {
+                let loaded = self.app.world().resource::<LoadedScene>();
+                loaded.notes.iter().for_each(remark);
+                loaded.shots.clone()
+            }
         };
         let mut shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;
         let first = self.place;
         self.place += shots.len();
         let mut place = first..;
-        shots.retain(|_| {
-            place
-                .next()
-                .is_some_and(|place| self.args.shard.takes(place))
-        });
+        shots.retain(|_| place.next().is_some_and(|place| self.args.shard.takes(place)));
         for shot in &mut shots {
             if let Some(size) = self.args.size {
                 (shot.width, shot.height) = (size.width, size.height);
@@ -187,11 +181,7 @@ impl Session<'_> {
     ) -> Result<Take, Failure> {
         let app = &mut self.app;
         stage.apply(app, &technique.technique);
-        let (lit, shaded): (Vec<_>, Vec<_>) = self
-            .args
-            .passes
-            .iter()
-            .partition(|pass| **pass == Pass::Lit);
+        let (lit, shaded): (Vec<_>, Vec<_>) = self.args.passes.iter().partition(|pass| **pass == Pass::Lit);
         let settled = stage.settle(app, &shaded)?;
         let mut take = Take {
             scene: scene.to_owned(),
@@ -215,10 +205,7 @@ impl Session<'_> {
             texels.extend(settled.texels.into_iter().map(|texels| (Pass::Lit, texels)));
         }
         if !take.is_still {
-            remark(format!(
-                "{scene}, shot {}: the picture does not stand still",
-                shot.name
-            ));
+            remark(format!("{scene}, shot {}: the picture does not stand still", shot.name));
         }
         for (pass, texels) in texels {
             let name = pictures::file_name(scene, &shot.name, &technique.text, pass);
@@ -257,10 +244,7 @@ fn stats_name(shard: Shard) -> PathBuf {
 fn of_file(shots: &[Shot], file: &Path, scene: &str) -> Result<Vec<Shot>, Failure> {
     let own = shots::for_scene(shots, scene);
     if own.is_empty() {
-        let mut scenes: Vec<_> = shots
-            .iter()
-            .filter_map(|shot| shot.scene.as_deref())
-            .collect();
+        let mut scenes: Vec<_> = shots.iter().filter_map(|shot| shot.scene.as_deref()).collect();
         scenes.sort_unstable();
         scenes.dedup();
         return Err(Failure::failed(ShotError::NoneForScene {

@@ -17,7 +17,7 @@ use crate::{
         headless::{self, Pipelines},
         pass::Pass,
     },
-    level::shot::Shot,
+    level::{shot::Shot, spawn::sun_transform},
     render::{
         capture::{self, Texels},
         mask::ShadowMask,
@@ -64,17 +64,13 @@ impl Stage {
     pub(super) fn new(app: &mut App, shot: &Shot, sun: Entity, passes: &[Pass]) -> Self {
         let world = app.world_mut();
         let mut images = world.resource_mut::<Assets<Image>>();
-        let mut target =
-            |format| images.add(capture::readable_target(shot.width, shot.height, format));
+        let mut target = |format| images.add(capture::readable_target(shot.width, shot.height, format));
         let color = target(TextureFormat::Rgba8UnormSrgb);
-        let surfaces = passes
-            .iter()
-            .any(|pass| pass.is_of_surfaces())
-            .then(|| Surfaces {
-                mask: target(ShadowMask::MASK_FORMAT),
-                depth: target(ShadowMask::DEPTH_FORMAT),
-                normal: target(ShadowMask::NORMAL_FORMAT),
-            });
+        let surfaces = passes.iter().any(|pass| pass.is_of_surfaces()).then(|| Surfaces {
+            mask: target(ShadowMask::MASK_FORMAT),
+            depth: target(ShadowMask::DEPTH_FORMAT),
+            normal: target(ShadowMask::NORMAL_FORMAT),
+        });
         let mut camera = world.spawn((
             Camera3d::default(),
             RenderTarget::Image(color.clone().into()),
@@ -84,10 +80,8 @@ impl Stage {
                 far: shot.far,
                 ..default()
             }),
-            Transform::from_translation(shot.position.into()).looking_at(
-                shot.target.into(),
-                Vec3::from(shot.up).normalize_or(Vec3::Y),
-            ),
+            Transform::from_translation(shot.position.into())
+                .looking_at(shot.target.into(), Vec3::from(shot.up).normalize_or(Vec3::Y)),
             Exposure::default(),
             // Needs no look-up table.
             Tonemapping::AcesFitted,
@@ -105,10 +99,7 @@ impl Stage {
         }
         let camera = camera.id();
         if let Some(mut transform) = world.get_mut::<Transform>(sun) {
-            *transform = Transform::from_translation(transform.translation).looking_to(
-                Vec3::from(shot.light_dir).normalize_or(Vec3::NEG_Y),
-                Vec3::from(shot.up).normalize_or(Vec3::Y),
-            );
+            *transform = sun_transform(shot.light_dir.into());
         }
         Self {
             camera,
@@ -176,9 +167,7 @@ impl Stage {
                 .iter()
                 .map(|image| capture::read_image(app, image))
                 .collect::<Result<_, _>>()
-                .map_err(|error| {
-                    Failure::Failed(format!("the picture cannot be read back: {error}"))
-                })?;
+                .map_err(|error| Failure::Failed(format!("the picture cannot be read back: {error}")))?;
             if texels == before && seconds.len() >= TIMED {
                 return Ok(Settled {
                     texels,
@@ -228,11 +217,7 @@ mod tests {
         for far in [0.02, 5.0, 10.0, 150.0, 1e6] {
             let config = stock_cascades(far);
             assert_eq!(config.bounds.len(), default_bounds.len());
-            assert!(
-                config.bounds.is_sorted_by(|a, b| a < b),
-                "{:?}",
-                config.bounds
-            );
+            assert!(config.bounds.is_sorted_by(|a, b| a < b), "{:?}", config.bounds);
             assert!(
                 (config.bounds[3] / far - 1.0).abs() < 1e-5,
                 "{far}: {:?}",

@@ -103,8 +103,7 @@ impl Maps {
             count,
             size,
             fallback_size,
-            bytes: (u64::from(count) * square(size) + square(fallback_size))
-                * size_of::<f32>() as u64,
+            bytes: (u64::from(count) * square(size) + square(fallback_size)) * size_of::<f32>() as u64,
         }
     }
 }
@@ -166,9 +165,7 @@ pub(super) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
     match technique {
         Technique::Bevy => {
             let config = app.world().get::<CascadeShadowConfig>(sun);
-            let count = config.map_or(0, |config| {
-                u32::try_from(config.bounds.len()).unwrap_or(u32::MAX)
-            });
+            let count = config.map_or(0, |config| u32::try_from(config.bounds.len()).unwrap_or(u32::MAX));
             Maps::new(count, bevy_size, 0)
         }
         Technique::Umbrage(settings) => {
@@ -213,9 +210,7 @@ pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Techn
                 .collect()
         }
         Technique::Umbrage(_) => {
-            let views = world
-                .get::<SunViews>(sun)
-                .and_then(|views| views.cameras.get(&camera));
+            let views = world.get::<SunViews>(sun).and_then(|views| views.cameras.get(&camera));
             views
                 .into_iter()
                 .flat_map(|views| &views.partitions)

@@ -152,10 +152,7 @@ mod tests {
 
     #[test]
     fn presets_are_found_by_name() {
-        assert_eq!(
-            Technique::preset("ultra"),
-            Some(Technique::Umbrage(SunShadows::ULTRA))
-        );
+        assert_eq!(Technique::preset("ultra"), Some(Technique::Umbrage(SunShadows::ULTRA)));
         assert_eq!(Technique::preset("high"), Some(Technique::default()));
         assert_eq!(Technique::preset("best"), None);
     }
@@ -172,9 +169,7 @@ mod tests {
         world.flush();
         assert!(world.get::<SunShadows>(sun).is_none() && world.get::<SunViews>(sun).is_none());
         assert_eq!(
-            world
-                .get::<CascadeShadowConfig>(sun)
-                .map(|config| config.bounds.len()),
+            world.get::<CascadeShadowConfig>(sun).map(|config| config.bounds.len()),
             Some(CascadeShadowConfig::default().bounds.len())
         );
     }

@@ -7,9 +7,7 @@ use thiserror::Error;
 use super::{Technique, cells_per_side, default_map_size};
 use crate::{
     maths::{split::SplitScheme, warp::Warp},
-    shadow::settings::{
-        PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows,
-    },
+    shadow::settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
 };
 
 /// The keys after the colon, with the values that they take.
@@ -18,10 +16,7 @@ pub const KEYS: [(&str, &str); 14] = [
     ("size", "texels per side of one map, 16..=8192"),
     ("split", "log|practical|uniform|manual"),
     ("lambda", "0..=1, for split=practical"),
-    (
-        "splits",
-        "ascending metres, e.g. 10/30/80, for split=manual",
-    ),
+    ("splits", "ascending metres, e.g. 10/30/80, for split=manual"),
     ("select", "depth|best"),
     ("filter", "hard|pcf2"),
     ("bias", "none|footprint|constant"),
@@ -34,9 +29,7 @@ pub const KEYS: [(&str, &str); 14] = [
 ];
 
 /// What is planned but not built yet; named so that the error can say so.
-const LATER: [&str; 7] = [
-    "fp", "tiled", "queried", "fitted", "optimal", "repar", "tsm",
-];
+const LATER: [&str; 7] = ["fp", "tiled", "queried", "fitted", "optimal", "repar", "tsm"];
 
 /// Metres of `bias=constant` when `bias_m` is not given.
 const CONSTANT_BIAS: f32 = 0.05;
@@ -91,8 +84,7 @@ pub enum TechniqueError {
     Together(String),
 }
 
-const AVAILABLE: &str =
-    "bevy, uniform, zp1 to zp16 and the warps lispsm, psm and free, alone or as in `zp4+lispsm`";
+const AVAILABLE: &str = "bevy, uniform, zp1 to zp16 and the warps lispsm, psm and free, alone or as in `zp4+lispsm`";
 
 fn key_list() -> String {
     KEYS.map(|(key, _)| key).join(", ")
@@ -119,12 +111,7 @@ impl FromStr for Technique {
                 };
             }
             "uniform" => match what {
-                Some(what) => {
-                    return Err(TechniqueError::Takes {
-                        base: "uniform",
-                        what,
-                    });
-                }
+                Some(what) => return Err(TechniqueError::Takes { base: "uniform", what }),
                 None => (1, Warp::Uniform),
             },
             _ => match (partition_count(base)?, warp) {
@@ -187,16 +174,10 @@ struct Pairs<'a>(Vec<(&'static str, &'a str)>);
 impl<'a> Pairs<'a> {
     fn parse(text: &'a str) -> Result<Self, TechniqueError> {
         let mut pairs: Vec<(&'static str, &'a str)> = Vec::new();
-        for pair in text
-            .split(',')
-            .map(str::trim)
-            .filter(|pair| !pair.is_empty())
-        {
+        for pair in text.split(',').map(str::trim).filter(|pair| !pair.is_empty()) {
             let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
             let Some((key, _)) = KEYS.into_iter().find(|(key, _)| *key == name) else {
-                return Err(TechniqueError::Key {
-                    name: name.to_owned(),
-                });
+                return Err(TechniqueError::Key { name: name.to_owned() });
             };
             if pairs.iter().any(|(given, _)| *given == key) {
                 return Err(TechniqueError::Twice(key.to_owned()));
@@ -207,11 +188,7 @@ impl<'a> Pairs<'a> {
     }
 
     /// The value of a key, if it was given, as `parse` reads it; `None` from `parse` is a wrong value.
-    fn read<T>(
-        &self,
-        name: &str,
-        parse: impl FnOnce(&str) -> Option<T>,
-    ) -> Result<Option<T>, TechniqueError> {
+    fn read<T>(&self, name: &str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>, TechniqueError> {
         let Some(&(key, value)) = self.0.iter().find(|(key, _)| *key == name) else {
             return Ok(None);
         };
@@ -313,11 +290,7 @@ fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, Tech
     Ok(settings)
 }
 
-fn scheme_of(
-    count: u32,
-    default: SplitScheme,
-    pairs: &Pairs,
-) -> Result<SplitScheme, TechniqueError> {
+fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitScheme, TechniqueError> {
     #[derive(Clone, Copy, PartialEq)]
     enum Kind {
         Log,
@@ -371,9 +344,7 @@ fn warp_of(warp: Warp, pairs: &Pairs) -> Result<Warp, TechniqueError> {
     match (pairs.read("eta", |text| number(text, -1.0..=1.0))?, warp) {
         (None, warp) => Ok(warp),
         (Some(eta), Warp::Free { .. }) => Ok(Warp::Free { eta }),
-        (Some(_), _) => Err(TechniqueError::Together(
-            "`eta=` belongs to the warp `free`".to_owned(),
-        )),
+        (Some(_), _) => Err(TechniqueError::Together("`eta=` belongs to the warp `free`".to_owned())),
     }
 }
 
@@ -469,10 +440,7 @@ mod tests {
             fallback_map: false,
         };
         assert_eq!(all, expected);
-        assert_eq!(
-            settings("zp4:split=log").partitions.scheme,
-            SplitScheme::Logarithmic
-        );
+        assert_eq!(settings("zp4:split=log").partitions.scheme, SplitScheme::Logarithmic);
         assert_eq!(
             settings("zp4:lambda=0.3").partitions.scheme,
             SplitScheme::Practical { lambda: 0.3 }
