@@ -1,0 +1,214 @@
+//! [`Model`] and [`Placement`]: what generators hand to the spawner.
+
+use bevy_math::{Quat, Vec2, Vec3};
+
+use super::{
+    buildings::{self, Building},
+    format::Species,
+    ground::{Blocker, BlockerShape},
+    meshes::{MeshData, ModelMesh, Rgb},
+    plants, props,
+};
+
+/// Something that may stand in many places; equal models share their meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Model {
+    /// A plant or rock in one of its shapes.
+    Plant(Species, u32),
+    /// A fence post of 1 m.
+    FencePost,
+    /// Fence rails of 1 m along +x.
+    FenceRails,
+    /// A log cabin.
+    Hut,
+    /// A street lamp.
+    Lamp,
+    /// A bench.
+    Bench,
+    /// A car; the index of its paint.
+    Car(u8),
+    /// A building.
+    Building(Building),
+    /// The lattice tower, of this height in metres.
+    LatticeTower(u32),
+    /// A cube of side 1 on the ground; the index of its paint in [`PRIMITIVE_PAINTS`].
+    Cube(u8),
+    /// A ball of diameter 1 on the ground.
+    Ball(u8),
+    /// An upright cylinder of diameter 1 and height 1 on the ground.
+    Pole(u8),
+}
+
+/// Colours of cubes, balls and poles.
+pub const PRIMITIVE_PAINTS: [Rgb; 4] = [
+    [0.55, 0.2, 0.12],
+    [0.2, 0.32, 0.5],
+    [0.5, 0.47, 0.4],
+    [0.1, 0.1, 0.1],
+];
+
+/// One thing in the level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// What.
+    pub model: Model,
+    /// Where its foot is.
+    pub position: Vec3,
+    /// How it is turned.
+    pub rotation: Quat,
+    /// How it is scaled; positive.
+    pub scale: Vec3,
+}
+
+impl Placement {
+    /// Something upright at its own size.
+    pub fn upright(model: Model, position: Vec3, yaw: f32) -> Self {
+        Self {
+            model,
+            position,
+            rotation: Quat::from_rotation_y(yaw),
+            scale: Vec3::ONE,
+        }
+    }
+
+    /// What a walker bumps into here.
+    pub fn blocker(&self) -> Option<Blocker> {
+        let center = Vec2::new(self.position.x, self.position.z);
+        let turned = |half_x: f32, half_z: f32| BlockerShape::Box {
+            half: Vec2::new(half_x * self.scale.x, half_z * self.scale.z),
+            yaw: self.rotation.to_euler(bevy_math::EulerRot::YXZ).0,
+        };
+        let round = |radius: f32| BlockerShape::Cylinder {
+            radius: radius * self.scale.x,
+        };
+        let (shape, height) = match self.model {
+            Model::Plant(Species::Bush, _) => return None,
+            Model::Plant(species, _) => {
+                (round(plants::foot_radius(species)), plants::height(species))
+            }
+            // The rails between posts are what stops a walker; see the generators, which know both ends.
+            Model::FencePost => (round(0.1), 1.0),
+            Model::FenceRails => {
+                let middle = self.position + self.rotation * (Vec3::X * 0.5 * self.scale.x);
+                return Some(Blocker {
+                    center: Vec2::new(middle.x, middle.z),
+                    shape: turned(0.5, 0.05),
+                    bottom: middle.y - 1.0,
+                    top: middle.y + self.scale.y,
+                });
+            }
+            Model::Hut => (
+                turned(props::HUT_HALF.0 + 0.2, props::HUT_HALF.1 + 0.2),
+                6.0,
+            ),
+            Model::Lamp => (round(0.13), 6.5),
+            Model::Bench => (turned(0.9, 0.35), 0.9),
+            Model::Car(_) => (turned(0.88, 2.15), 1.4),
+            Model::Building(building) => {
+                let (width, depth) = building.plan();
+                (turned(0.5 * width, 0.5 * depth), building.wall_height())
+            }
+            // A walker passes between the legs; they are thin.
+            Model::LatticeTower(_) => return None,
+            Model::Cube(_) => (turned(0.5, 0.5), 1.0),
+            Model::Ball(_) | Model::Pole(_) => (round(0.5), 1.0),
+        };
+        Some(Blocker {
+            center,
+            shape,
+            bottom: self.position.y - 1.0,
+            top: self.position.y + height * self.scale.y,
+        })
+    }
+}
+
+impl Model {
+    /// Builds the meshes that all placements of this model share.
+    pub fn build(&self) -> ModelMesh {
+        let solid = match *self {
+            Self::Plant(species, variant) => return plants::build(species, variant),
+            Self::FencePost => props::fence_post(),
+            Self::FenceRails => props::fence_rails(),
+            Self::Hut => props::hut(),
+            Self::Lamp => props::lamp(),
+            Self::Bench => props::bench(),
+            Self::Car(paint) => {
+                props::car(props::CAR_PAINTS[usize::from(paint) % props::CAR_PAINTS.len()])
+            }
+            Self::Building(building) => buildings::build(&building),
+            Self::LatticeTower(height) => props::lattice_tower(height as f32),
+            Self::Cube(paint) => {
+                let mut mesh = MeshData::default();
+                mesh.push_box(Vec3::Y * 0.5, Vec3::ONE, primitive_paint(paint));
+                mesh
+            }
+            Self::Ball(paint) => ball(primitive_paint(paint)),
+            Self::Pole(paint) => {
+                let mut mesh = MeshData::default();
+                let color = primitive_paint(paint);
+                mesh.push_round((Vec3::ZERO, 0.5), (Vec3::Y, 0.5), 16, (color, color));
+                mesh
+            }
+        };
+        ModelMesh {
+            solid,
+            leaves: MeshData::default(),
+        }
+    }
+}
+
+fn primitive_paint(index: u8) -> Rgb {
+    PRIMITIVE_PAINTS[usize::from(index) % PRIMITIVE_PAINTS.len()]
+}
+
+/// A smooth ball of diameter 1 on the ground.
+fn ball(color: Rgb) -> MeshData {
+    let (rings, sides) = (16, 32);
+    let mut mesh = MeshData::default();
+    for ring in 0..=rings {
+        let (ring_sin, ring_cos) = (ring as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
+        for side in 0..=sides {
+            let (sin, cos) =
+                ((side % sides) as f32 / sides as f32 * std::f32::consts::TAU).sin_cos();
+            let sin_ring = if ring == rings { 0.0 } else { ring_sin };
+            let normal = Vec3::new(sin_ring * cos, ring_cos, sin_ring * sin).normalize();
+            mesh.push_vertex(Vec3::Y * 0.5 + normal * 0.5, normal, color, Vec2::ZERO);
+        }
+    }
+    for ring in 0..rings {
+        for side in 0..sides {
+            let a = ring * (sides + 1) + side;
+            let (b, c, d) = (a + 1, a + sides + 1, a + sides + 2);
+            if ring > 0 {
+                mesh.indices.extend([a, b, d]);
+            }
+            if ring + 1 < rings {
+                mesh.indices.extend([a, d, c]);
+            }
+        }
+    }
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::level::meshes::tests::assert_solid;
+
+    #[test]
+    fn primitives_are_solid_and_of_unit_size() {
+        for model in [Model::Cube(0), Model::Ball(1), Model::Pole(2)] {
+            let mesh = model.build().solid;
+            assert_solid(&mesh, &format!("{model:?}"));
+            let (min, max) = mesh.bounds().unwrap();
+            assert!(
+                (min - Vec3::new(-0.5, 0.0, -0.5)).length() < 1e-3,
+                "{model:?} {min}"
+            );
+            assert!(
+                (max - Vec3::new(0.5, 1.0, 0.5)).length() < 1e-3,
+                "{model:?} {max}"
+            );
+        }
+    }
+}

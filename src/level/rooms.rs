@@ -1,0 +1,161 @@
+//! Analytic rooms and the instancing test: a plain ground with few or very many simple things on it.
+
+use bevy_math::{Vec2, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    format::{Level, Room, Species, StressTrees},
+    ground::{Ground, Surface},
+    meshes::MeshData,
+    model::{Model, Placement},
+    plants, props,
+    scenery::{Scenery, Static},
+};
+
+/// Generates a room.
+pub fn generate(level: &Level, room: Room) -> Scenery {
+    let size = level.terrain.size;
+    let mut statics = vec![plane(size)];
+    let mut placements = Vec::new();
+    match room {
+        Room::PlaneBox { side } => placements.push(Placement {
+            scale: Vec3::splat(side),
+            ..Placement::upright(Model::Cube(0), Vec3::ZERO, 0.0)
+        }),
+        Room::Poles {
+            spacing,
+            height,
+            radius,
+            gap,
+        } => {
+            for z in stations(size.y, spacing) {
+                for (x, paint) in [(-0.5 * gap, 0), (0.5 * gap, 1)] {
+                    placements.push(Placement {
+                        scale: Vec3::new(2.0 * radius, height, 2.0 * radius),
+                        ..Placement::upright(Model::Pole(paint), Vec3::new(x, 0.0, z), 0.0)
+                    });
+                }
+            }
+        }
+        Room::Fence {
+            post_spacing,
+            height,
+        } => {
+            let stations: Vec<f32> = stations(size.y, post_spacing).collect();
+            for (i, z) in stations.iter().enumerate() {
+                let foot = Vec3::new(0.0, 0.0, *z);
+                placements.push(Placement {
+                    scale: Vec3::new(1.0, height, 1.0),
+                    ..Placement::upright(Model::FencePost, foot, 0.0)
+                });
+                if i + 1 < stations.len() {
+                    placements.push(Placement {
+                        scale: Vec3::new(post_spacing, height, 1.0),
+                        ..Placement::upright(Model::FenceRails, foot, -std::f32::consts::FRAC_PI_2)
+                    });
+                }
+            }
+        }
+        Room::Wires {
+            spacing,
+            height,
+            diameter,
+            sag,
+        } => {
+            let stations: Vec<f32> = stations(size.y, spacing).collect();
+            for (i, z) in stations.iter().enumerate() {
+                for x in [-1.0, 1.0] {
+                    placements.push(Placement {
+                        scale: Vec3::new(0.2, height, 0.2),
+                        ..Placement::upright(Model::Pole(2), Vec3::new(x, 0.0, *z), 0.0)
+                    });
+                }
+                let Some(next) = stations.get(i + 1) else {
+                    continue;
+                };
+                for (x, y) in [(-1.0, 0.99), (1.0, 0.99), (-1.0, 0.9), (1.0, 0.9)] {
+                    let end = |z: f32| Vec3::new(x, y * height, z);
+                    statics.push(Static {
+                        name: "wire",
+                        mesh: props::wire(end(*z), end(*next), sag, diameter),
+                    });
+                }
+            }
+        }
+    }
+    finish(statics, placements)
+}
+
+/// Generates the instancing test: conifers, birches and dead trees on a square lattice.
+pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
+    let side = (trees.count as f32).sqrt().ceil() as u32;
+    let extent = side as f32 * trees.spacing;
+    let mut rng = ChaCha8Rng::seed_from_u64(level.seed);
+    let placements = (0..trees.count)
+        .map(|i| {
+            let lattice = Vec2::new((i % side) as f32, (i / side) as f32) + 0.5;
+            let p = lattice * trees.spacing - 0.5 * extent;
+            let species = [
+                Species::Conifer,
+                Species::Birch,
+                Species::Conifer,
+                Species::DeadTree,
+            ][rng.random_range(0..4)];
+            let model = Model::Plant(species, rng.random_range(0..plants::VARIANTS));
+            let yaw = rng.random_range(0.0..std::f32::consts::TAU);
+            Placement {
+                scale: Vec3::splat(rng.random_range(0.8..1.2)),
+                ..Placement::upright(model, Vec3::new(p.x, 0.0, p.y), yaw)
+            }
+        })
+        .collect();
+    finish(
+        vec![plane(level.terrain.size.max(Vec2::splat(extent + 20.0)))],
+        placements,
+    )
+}
+
+fn finish(statics: Vec<Static>, placements: Vec<Placement>) -> Scenery {
+    let blockers = placements.iter().filter_map(Placement::blocker).collect();
+    Scenery {
+        statics,
+        placements,
+        ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers),
+    }
+}
+
+/// Places along an extent, centred, at whole spacings.
+fn stations(extent: f32, spacing: f32) -> impl Iterator<Item = f32> {
+    let count = (extent / spacing).floor().max(1.0) as u32;
+    (0..count).map(move |i| (i as f32 - 0.5 * (count - 1) as f32) * spacing)
+}
+
+/// A chequered plane at y = 0; squares of 5 m, larger where there would be more than 160 000 of them.
+fn plane(size: Vec2) -> Static {
+    let cell = (size / 400.0).max_element().max(5.0);
+    let count = [size.x, size.y].map(|side| (side / cell).ceil() as u32);
+    let mut mesh = MeshData::default();
+    for j in 0..count[1] {
+        for i in 0..count[0] {
+            let at = |i: u32, j: u32| {
+                let p = Vec2::new(i as f32 / count[0] as f32, j as f32 / count[1] as f32) * size
+                    - size * 0.5;
+                Vec3::new(p.x, 0.0, p.y)
+            };
+            let light = if (i + j).is_multiple_of(2) {
+                0.42
+            } else {
+                0.36
+            };
+            mesh.push_quad(
+                [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)],
+                [light, light, light * 0.95],
+            );
+        }
+    }
+    Static {
+        name: "plane",
+        mesh,
+    }
+}

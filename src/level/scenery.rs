@@ -1,0 +1,40 @@
+//! [`Scenery`]: a whole level as values, before anything is spawned.
+
+use super::{
+    city, forest,
+    format::{Generator, Level},
+    ground::Ground,
+    meshes::MeshData,
+    model::Placement,
+    rooms,
+};
+
+/// What a generator makes of a level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scenery {
+    /// Meshes that stand in one place only, in world space.
+    pub statics: Vec<Static>,
+    /// Everything else.
+    pub placements: Vec<Placement>,
+    /// What a walker stands on.
+    pub ground: Ground,
+}
+
+/// A mesh in world space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Static {
+    /// For inspectors.
+    pub name: &'static str,
+    /// Triangles, opaque.
+    pub mesh: MeshData,
+}
+
+/// Generates a level: the same for the same level, on every machine.
+pub fn generate(level: &Level) -> Scenery {
+    match &level.generator {
+        Generator::Forest(forest) => forest::generate(level, forest),
+        Generator::City(city) => city::generate(level, city),
+        Generator::Room(room) => rooms::generate(level, *room),
+        Generator::StressTrees(trees) => rooms::stress_trees(level, *trees),
+    }
+}
