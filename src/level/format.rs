@@ -228,10 +228,7 @@ pub enum Species {
 impl Species {
     /// True for the species that count as trees and keep clearings free.
     pub fn is_tree(self) -> bool {
-        matches!(
-            self,
-            Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree
-        )
+        matches!(self, Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree)
     }
 }
 
@@ -376,13 +373,7 @@ impl CameraPath {
             (pick(to) - pick(from)) / (to.time - from.time) * span
         };
         let curve = |pick: fn(PathKey) -> Vec3| {
-            hermite(
-                pick(a),
-                tangent(before, b, pick),
-                pick(b),
-                tangent(a, beyond, pick),
-                t,
-            )
+            hermite(pick(a), tangent(before, b, pick), pick(b), tangent(a, beyond, pick), t)
         };
         Some((curve(|key| key.position), curve(|key| key.target)))
     }
@@ -452,10 +443,7 @@ mod tests {
         for step in 0..=30 {
             let seconds = step as f32 * 0.1;
             let (position, _) = path().sample(seconds).unwrap();
-            assert!(
-                (position.x - 2.0 * seconds).abs() < 1e-4,
-                "{seconds} s: {position}"
-            );
+            assert!((position.x - 2.0 * seconds).abs() < 1e-4, "{seconds} s: {position}");
         }
     }
 

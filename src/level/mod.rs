@@ -59,12 +59,7 @@ impl Plugin for LevelPlugin {
             .init_resource::<load::Job>()
             .add_systems(
                 Update,
-                (
-                    load::reload,
-                    load::start,
-                    load::advance_level,
-                    load_gltf::advance_gltf,
-                )
+                (load::reload, load::start, load::advance_level, load_gltf::advance_gltf)
                     .chain()
                     .in_set(LevelSystems),
             );

@@ -12,8 +12,7 @@ use umbrage::level::{
 };
 
 pub(crate) fn level(name: &str) -> Level {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("levels/{name}.{}", find::EXTENSION));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("levels/{name}.{}", find::EXTENSION));
     parse(&fs::read(&path).unwrap()).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
@@ -60,18 +59,12 @@ fn shots_stand_in_the_air_above_the_ground() {
         for path in &level.camera_paths {
             for step in 0..=100 {
                 let seconds = path.duration() * step as f32 / 100.0;
-                eyes.push((
-                    format!("{} at {seconds} s", path.name),
-                    path.sample(seconds).unwrap().0,
-                ));
+                eyes.push((format!("{} at {seconds} s", path.name), path.sample(seconds).unwrap().0));
             }
         }
         for (what, eye) in eyes {
             let above = eye.y - ground.height(eye.x, eye.z);
-            assert!(
-                above > 1.0,
-                "{name}, {what}: only {above} m above the ground"
-            );
+            assert!(above > 1.0, "{name}, {what}: only {above} m above the ground");
             let half = level.terrain.size * 0.5;
             assert!(
                 eye.x.abs() < half.x && eye.z.abs() < half.y,
@@ -91,12 +84,7 @@ fn shots_have_the_asked_variety() {
         let mut from_ahead = false;
         let mut low = false;
         for shot in level.shots() {
-            assert_eq!(
-                (shot.width, shot.height),
-                (1280, 720),
-                "{name} {}",
-                shot.name
-            );
+            assert_eq!((shot.width, shot.height), (1280, 720), "{name} {}", shot.name);
             assert!(
                 (500.0..=600.0).contains(&shot.far) && (0.1..=0.5).contains(&shot.near),
                 "{name} {}",
@@ -133,10 +121,7 @@ fn wrong_values_are_named() {
     let cases: Vec<(&str, Box<dyn FnOnce(&mut Level)>)> = vec![
         ("name", Box::new(|l| l.name = " ".into())),
         ("terrain.size.x", Box::new(move |l| l.terrain.size.x = nan)),
-        (
-            "terrain.size.y with hills",
-            Box::new(|l| l.terrain.size.y = 5000.0),
-        ),
+        ("terrain.size.y with hills", Box::new(|l| l.terrain.size.y = 5000.0)),
         (
             "terrain.hills.amplitude",
             Box::new(|l| l.terrain.hills.as_mut().unwrap().amplitude = -1.0),
@@ -189,78 +174,39 @@ fn wrong_values_are_named() {
         (
             "generator.count",
             Box::new(|l| {
-                l.generator = Generator::StressTrees(StressTrees {
-                    count: 0,
-                    spacing: 5.0,
-                });
+                l.generator = Generator::StressTrees(StressTrees { count: 0, spacing: 5.0 });
             }),
         ),
-        (
-            "scatter[0].count",
-            Box::new(|l| l.scatter[0].count = MAX_COUNT + 1),
-        ),
-        (
-            "scatter[1].spacing",
-            Box::new(|l| l.scatter[1].spacing = 0.0),
-        ),
+        ("scatter[0].count", Box::new(|l| l.scatter[0].count = MAX_COUNT + 1)),
+        ("scatter[1].spacing", Box::new(|l| l.scatter[1].spacing = 0.0)),
         (
             "scatter[1].slope_deg.1",
             Box::new(|l| l.scatter[1].slope_deg = (30.0, 10.0)),
         ),
-        (
-            "scatter[2].scale.0",
-            Box::new(|l| l.scatter[2].scale.0 = -1.0),
-        ),
-        (
-            "scatter[2].clumping",
-            Box::new(move |l| l.scatter[2].clumping = nan),
-        ),
+        ("scatter[2].scale.0", Box::new(|l| l.scatter[2].scale.0 = -1.0)),
+        ("scatter[2].clumping", Box::new(move |l| l.scatter[2].clumping = nan)),
         ("sun.light_dir", Box::new(|l| l.sun.light_dir = Vec3::ZERO)),
-        (
-            "sun.illuminance",
-            Box::new(move |l| l.sun.illuminance = nan),
-        ),
+        ("sun.illuminance", Box::new(move |l| l.sun.illuminance = nan)),
         ("sun.sky.g", Box::new(|l| l.sun.sky.y = 2.0)),
-        (
-            "spawn.position",
-            Box::new(|l| l.spawn.position = Vec3::INFINITY),
-        ),
-        (
-            "spawn.look_at",
-            Box::new(|l| l.spawn.look_at = l.spawn.position),
-        ),
+        ("spawn.position", Box::new(|l| l.spawn.position = Vec3::INFINITY)),
+        ("spawn.look_at", Box::new(|l| l.spawn.look_at = l.spawn.position)),
         ("shots", Box::new(|l| l.shots.clear())),
-        (
-            "shots",
-            Box::new(|l| l.shots[1].name = l.shots[0].name.clone()),
-        ),
+        ("shots", Box::new(|l| l.shots[1].name = l.shots[0].name.clone())),
         ("shots[0].name", Box::new(|l| l.shots[0].name.clear())),
-        (
-            "shots[1].position",
-            Box::new(move |l| l.shots[1].position.x = nan),
-        ),
+        ("shots[1].position", Box::new(move |l| l.shots[1].position.x = nan)),
         (
             "shots[1].target",
             Box::new(|l| l.shots[1].target = l.shots[1].position - Vec3::Y),
         ),
-        (
-            "shots[1].fov_y_deg",
-            Box::new(|l| l.shots[1].fov_y_deg = 180.0),
-        ),
+        ("shots[1].fov_y_deg", Box::new(|l| l.shots[1].fov_y_deg = 180.0)),
         ("shots[1].near", Box::new(|l| l.shots[1].near = 0.0)),
-        (
-            "shots[1].far",
-            Box::new(|l| l.shots[1].far = l.shots[1].near),
-        ),
+        ("shots[1].far", Box::new(|l| l.shots[1].far = l.shots[1].near)),
         ("shots[1].size.1", Box::new(|l| l.shots[1].size.1 = 0)),
         (
             "shots[1].light_dir",
             Box::new(|l| l.shots[1].light_dir = Some(Vec3::ZERO)),
         ),
-        (
-            "camera_paths[0].keys",
-            Box::new(|l| l.camera_paths[0].keys.truncate(1)),
-        ),
+        ("camera_paths[0].keys", Box::new(|l| l.camera_paths[0].keys.truncate(1))),
         (
             "camera_paths[0].keys[1].time",
             Box::new(|l| l.camera_paths[0].keys[1].time = 0.0),
@@ -327,27 +273,12 @@ fn settings_change_a_level() {
 #[test]
 fn wrong_settings_are_errors_that_name_them() {
     for (name, key, value, part) in [
-        (
-            "forest",
-            "height",
-            "3",
-            "no setting `height`; it has: count, seed",
-        ),
-        (
-            "room/fence",
-            "count",
-            "3",
-            "no setting `count`; it has: seed",
-        ),
+        ("forest", "height", "3", "no setting `height`; it has: count, seed"),
+        ("room/fence", "count", "3", "no setting `count`; it has: seed"),
         ("forest", "count", "-1", "`count` is -1"),
         ("forest", "count", "many", "`count` is many"),
         ("stress_trees", "count", "0", "`generator.count` is 0"),
-        (
-            "stress_trees",
-            "count",
-            "99999999999",
-            "`count` is 99999999999",
-        ),
+        ("stress_trees", "count", "99999999999", "`count` is 99999999999"),
         ("city", "floors", "0", "`generator.max_floors` is 0"),
     ] {
         let error = level(name).set(key, value).unwrap_err().to_string();

@@ -21,9 +21,7 @@ fn trees(scenery: &Scenery) -> Vec<&Placement> {
     scenery
         .placements
         .iter()
-        .filter(
-            |placement| matches!(placement.model, Model::Plant(species, _) if species.is_tree()),
-        )
+        .filter(|placement| matches!(placement.model, Model::Plant(species, _) if species.is_tree()))
         .collect()
 }
 
@@ -57,18 +55,9 @@ fn everything_is_finite_and_on_its_terrain() {
         };
         for placement in &scenery.placements {
             let half = size * 0.5;
-            assert!(
-                plan(placement).abs().cmple(half).all(),
-                "{name}: {placement:?}"
-            );
-            let up = placement.position.y
-                - scenery
-                    .ground
-                    .height(placement.position.x, placement.position.z);
-            assert!(
-                up.abs() < 0.7,
-                "{name}: {up} m above the ground: {placement:?}"
-            );
+            assert!(plan(placement).abs().cmple(half).all(), "{name}: {placement:?}");
+            let up = placement.position.y - scenery.ground.height(placement.position.x, placement.position.z);
+            assert!(up.abs() < 0.7, "{name}: {up} m above the ground: {placement:?}");
             assert!(
                 placement.scale.is_finite() && placement.scale.min_element() > 0.0,
                 "{name}: {placement:?}"
@@ -87,12 +76,7 @@ fn the_forest_has_its_trees_in_all_kinds() {
     let scenery = generate(&level("forest"));
     let trees = trees(&scenery);
     assert!(trees.len() >= 2000, "{} trees", trees.len());
-    for species in [
-        Species::Conifer,
-        Species::Oak,
-        Species::Birch,
-        Species::DeadTree,
-    ] {
+    for species in [Species::Conifer, Species::Oak, Species::Birch, Species::DeadTree] {
         let of_kind = trees
             .iter()
             .filter(|tree| matches!(tree.model, Model::Plant(own, _) if own == species))
@@ -109,10 +93,7 @@ fn the_forest_has_its_trees_in_all_kinds() {
         .iter()
         .filter(|p| p.model == Model::FenceRails)
         .count();
-    assert!(
-        posts >= 100 && rails >= posts * 9 / 10,
-        "{posts} posts, {rails} rails"
-    );
+    assert!(posts >= 100 && rails >= posts * 9 / 10, "{posts} posts, {rails} rails");
     assert!(scenery.placements.iter().any(|p| p.model == Model::Hut));
 }
 
@@ -121,20 +102,11 @@ fn trees_keep_their_spacing_and_keep_off_paths_clearings_and_steep_ground() {
     let level = level("forest");
     let terrain = Terrain::new(&level.terrain, level.seed);
     let thrown = scatter::scatter(&terrain, &level.scatter, |_| true, level.seed);
-    let rule = |species: Species| {
-        level
-            .scatter
-            .iter()
-            .find(|rule| rule.species == species)
-            .unwrap()
-    };
+    let rule = |species: Species| level.scatter.iter().find(|rule| rule.species == species).unwrap();
     for (i, a) in thrown.iter().enumerate() {
         for b in &thrown[i + 1..] {
             let free = 0.5 * (a.spacing + b.spacing);
-            assert!(
-                a.position.distance(b.position) >= free - 1e-3,
-                "{a:?} {b:?}"
-            );
+            assert!(a.position.distance(b.position) >= free - 1e-3, "{a:?} {b:?}");
         }
         let slope = terrain.normal(a.position).y.acos().to_degrees();
         assert!(
@@ -169,10 +141,7 @@ fn rails_connect_their_posts() {
     for rails in of(Model::FenceRails) {
         let end = rails.position + rails.rotation * (Vec3::X * rails.scale.x);
         for tip in [rails.position, end] {
-            let nearest = posts
-                .iter()
-                .map(|post| post.distance(tip))
-                .fold(f32::MAX, f32::min);
+            let nearest = posts.iter().map(|post| post.distance(tip)).fold(f32::MAX, f32::min);
             assert!(nearest < 0.01, "a rail ends {nearest} m from the next post");
         }
     }
@@ -205,11 +174,7 @@ fn the_city_has_its_buildings_in_districts_and_a_tower() {
         "{centre} floors in the middle, {edge} at the edge"
     );
     let models: HashSet<_> = buildings.iter().map(|(_, building)| building).collect();
-    assert!(
-        models.len() > 100,
-        "only {} different buildings",
-        models.len()
-    );
+    assert!(models.len() > 100, "only {} different buildings", models.len());
     let tower = scenery.placements.iter().find_map(|p| match p.model {
         Model::LatticeTower(_) => p.model.build().solid.bounds(),
         _ => None,
@@ -238,10 +203,7 @@ fn buildings_do_not_stand_in_each_other() {
         .placements
         .iter()
         .filter_map(|p| match p.model {
-            Model::Building(building) => Some((
-                plan(p),
-                Vec2::new(building.plan().0, building.plan().1) * 0.5,
-            )),
+            Model::Building(building) => Some((plan(p), Vec2::new(building.plan().0, building.plan().1) * 0.5)),
             _ => None,
         })
         .collect();

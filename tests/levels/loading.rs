@@ -7,8 +7,7 @@ use bevy::{
     world_serialization::WorldSerializationPlugin,
 };
 use umbrage::level::{
-    LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, loader,
-    scene::SceneSource,
+    LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, loader, scene::SceneSource,
 };
 
 use crate::sources::{glb, root};
@@ -26,9 +25,7 @@ fn app_with(root: &find::AssetRoot) -> App {
     ))
     .init_asset::<Mesh>()
     .init_asset::<StandardMaterial>()
-    .add_plugins(LevelPlugin {
-        assets: root.clone(),
-    });
+    .add_plugins(LevelPlugin { assets: root.clone() });
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
@@ -59,10 +56,7 @@ fn wait(app: &mut App) -> Result<(), String> {
             }
             SceneStatus::Idle => panic!("idle after a request"),
         }
-        assert!(
-            start.elapsed().as_secs() < 60,
-            "still loading after a minute"
-        );
+        assert!(start.elapsed().as_secs() < 60, "still loading after a minute");
     }
 }
 
@@ -157,10 +151,7 @@ fn the_forest_shares_its_meshes_and_materials_and_settings_reach_it() {
 fn what_cannot_be_loaded_fails_with_a_sentence() {
     let mut app = app_with(&root());
     for (source, part) in [
-        (
-            "nowhere",
-            "there is no level `nowhere`; there are: city, forest",
-        ),
+        ("nowhere", "there is no level `nowhere`; there are: city, forest"),
         ("room/fence:count=3", "no setting `count`"),
         ("forest:count=-3", "`count` is -3"),
         ("none.glb", "none.glb: there is no such file"),
@@ -181,14 +172,12 @@ fn a_broken_level_file_fails_with_file_line_and_field() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("levels")).unwrap();
     let good = fs::read_to_string(root().levels().join("room/plane_box.level.ron")).unwrap();
-    let write = |name: &str, text: String| {
-        fs::write(folder.path().join(format!("levels/{name}.level.ron")), text).unwrap()
-    };
+    let write =
+        |name: &str, text: String| fs::write(folder.path().join(format!("levels/{name}.level.ron")), text).unwrap();
     write("typo", good.replace("illuminance:", "iluminance:"));
     write(
         "nan",
-        good.replace("seed: 1", "seed: 1")
-            .replace("near: 0.5", "near: NaN"),
+        good.replace("seed: 1", "seed: 1").replace("near: 0.5", "near: NaN"),
     );
     write("renamed", good);
     let root = find::asset_root(Some(folder.path())).unwrap();
@@ -198,11 +187,7 @@ fn a_broken_level_file_fails_with_file_line_and_field() {
         ("nan", ["levels/nan.level.ron", "`shots[0].near`", "NaN"]),
         (
             "renamed",
-            [
-                "levels/renamed.level.ron",
-                "room/plane_box",
-                "must be its path",
-            ],
+            ["levels/renamed.level.ron", "room/plane_box", "must be its path"],
         ),
     ] {
         request(&mut app, SceneSource::level(name));
@@ -215,9 +200,7 @@ fn a_broken_level_file_fails_with_file_line_and_field() {
 
 /// A triangle of 2 m as a glTF document; `uri` is where its 36 bytes of positions are.
 fn triangle(uri: Option<&str>) -> String {
-    let uri = uri
-        .map(|uri| format!(r#""uri":"{uri}","#))
-        .unwrap_or_default();
+    let uri = uri.map(|uri| format!(r#""uri":"{uri}","#)).unwrap_or_default();
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,1]}}],
         "nodes":[{{"mesh":0,"translation":[10,0,0]}},{{"camera":0}}],
@@ -243,16 +226,9 @@ fn check_triangle(app: &mut App, path: PathBuf) {
     assert_eq!(scene.shots.len(), 1);
     assert_eq!(scene.notes.len(), 1, "{:?}", scene.notes);
     let target = Vec3::from(scene.shots[0].target);
-    assert!(
-        (target - Vec3::new(11.0, 1.0, 0.0)).length() < 1e-4,
-        "{target}"
-    );
+    assert!((target - Vec3::new(11.0, 1.0, 0.0)).length() < 1e-4, "{target}");
     assert_eq!(count::<Sun>(app), 1);
-    assert_eq!(
-        count::<Camera3d>(app),
-        0,
-        "the file's own cameras must not draw"
-    );
+    assert_eq!(count::<Camera3d>(app), 0, "the file's own cameras must not draw");
 }
 
 #[test]
@@ -274,11 +250,7 @@ fn a_glb_outside_the_assets_becomes_ready_with_a_shot_that_frames_it() {
 #[test]
 fn a_gltf_finds_the_files_beside_it() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(
-        folder.path().join("model.gltf"),
-        triangle(Some("model.bin")),
-    )
-    .unwrap();
+    fs::write(folder.path().join("model.gltf"), triangle(Some("model.bin"))).unwrap();
     fs::write(folder.path().join("model.bin"), positions()).unwrap();
     check_triangle(&mut app_with(&root()), folder.path().join("model.gltf"));
 }
@@ -294,29 +266,17 @@ fn gltf_files_that_bevy_refuses_fail_with_a_sentence() {
     let empty = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{}]}"#;
     let cases = [
         (
-            write(
-                "no-scene.glb",
-                glb(r#"{"asset":{"version":"2.0"}}"#, &[], 0),
-            ),
+            write("no-scene.glb", glb(r#"{"asset":{"version":"2.0"}}"#, &[], 0)),
             "holds no scene",
         ),
-        (
-            write("no-mesh.glb", glb(empty, &[], 0)),
-            "holds no triangles",
-        ),
-        (
-            write("garbage.glb", glb(r#"{"asset": 7}"#, &[], 0)),
-            "garbage.glb",
-        ),
+        (write("no-mesh.glb", glb(empty, &[], 0)), "holds no triangles"),
+        (write("garbage.glb", glb(r#"{"asset": 7}"#, &[], 0)), "garbage.glb"),
         (
             write("no-buffer.gltf", triangle(Some("gone.bin")).into_bytes()),
             "gone.bin",
         ),
         (
-            write(
-                "short-buffer.glb",
-                glb(&triangle(None), &positions()[..12], 0),
-            ),
+            write("short-buffer.glb", glb(&triangle(None), &positions()[..12], 0)),
             "short-buffer.glb",
         ),
     ];

@@ -52,19 +52,13 @@ fn nonsense_is_an_error_that_quotes_it() {
         "forest:count=1,,seed=2",
     ] {
         let error = text.parse::<SceneSource>().unwrap_err();
-        assert!(
-            matches!(error, SceneError::Setting { .. }),
-            "{text}: {error}"
-        );
+        assert!(matches!(error, SceneError::Setting { .. }), "{text}: {error}");
     }
 }
 
 #[test]
 fn an_unknown_level_lists_what_there_is() {
-    let error = SceneSource::level("forrest")
-        .check(&root())
-        .unwrap_err()
-        .to_string();
+    let error = SceneSource::level("forrest").check(&root()).unwrap_err().to_string();
     for name in ["forrest", "forest", "city", "room/plane_box", ".glb"] {
         assert!(error.contains(name), "{error}");
     }
@@ -115,25 +109,15 @@ fn files_that_are_not_gltf_get_one_clear_sentence() {
         ("old.glb", old, "its version is 1"),
         ("chunk.glb", chunk, "not a whole JSON chunk"),
         ("empty.gltf", vec![], "it is empty"),
-        (
-            "half.gltf",
-            br#"{"asset": {"version""#.to_vec(),
-            "truncated",
-        ),
+        ("half.gltf", br#"{"asset": {"version""#.to_vec(), "truncated"),
         ("text.gltf", b"hello".to_vec(), "it is not JSON"),
         ("other.gltf", b"{}".to_vec(), "no `asset`"),
     ];
     for (file, bytes, part) in cases {
         let path = folder.path().join(file);
         fs::write(&path, bytes).unwrap();
-        let error = SceneSource::Gltf(path)
-            .check(&root())
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains(part) && error.contains(file),
-            "{file}: {error}"
-        );
+        let error = SceneSource::Gltf(path).check(&root()).unwrap_err().to_string();
+        assert!(error.contains(part) && error.contains(file), "{file}: {error}");
         assert_eq!(error.lines().count(), 1, "{error}");
     }
     let missing = SceneSource::Gltf(folder.path().join("none.glb"))

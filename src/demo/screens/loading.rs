@@ -1,0 +1,81 @@
+//! The loading screen: asks for the scene, shows its progress, goes on to play, or says why not.
+
+use bevy::prelude::*;
+
+use super::Screen;
+use crate::{
+    demo::{
+        Verdict,
+        input::{Action, Intent},
+    },
+    level::{LoadedScene, RequestedScene, SceneStatus},
+    ui::loading::{Progress, loading},
+};
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(OnEnter(Screen::Loading), open).add_systems(
+        Update,
+        (leave, follow).chain().run_if(in_state(Screen::Loading)),
+    );
+}
+
+fn open(mut commands: Commands) {
+    commands.spawn((
+        Name::new("Loading camera"),
+        Camera2d,
+        DespawnOnExit(Screen::Loading),
+    ));
+    commands.spawn((loading(), DespawnOnExit(Screen::Loading)));
+}
+
+fn leave(intent: Res<Intent>, verdict: Res<Verdict>, mut exit: MessageWriter<AppExit>) {
+    if intent.started(Action::TogglePause) {
+        exit.write(if verdict.failure().is_some() {
+            AppExit::error()
+        } else {
+            AppExit::Success
+        });
+    }
+}
+
+fn follow(
+    requested: Res<RequestedScene>,
+    status: Res<SceneStatus>,
+    loaded: Option<Res<LoadedScene>>,
+    verdict: Res<Verdict>,
+    mut progress: ResMut<Progress>,
+    mut next: ResMut<NextState<Screen>>,
+) {
+    let title = requested
+        .0
+        .as_ref()
+        .map_or_else(String::new, ToString::to_string);
+    let shown = progress_of(title, &status);
+    if let SceneStatus::Failed(sentence) = &*status {
+        verdict.fail(sentence);
+    }
+    progress.set_if_neq(shown);
+    if matches!(*status, SceneStatus::Ready) && loaded.is_some() {
+        next.set(Screen::Play);
+    }
+}
+
+/// What the loading screen shows of `status`.
+fn progress_of(title: String, status: &SceneStatus) -> Progress {
+    let (fraction, line, failed) = match status {
+        SceneStatus::Idle => (None, String::new(), false),
+        SceneStatus::Loading { done, total, what } => (
+            (*total > 0).then(|| *done as f32 / *total as f32),
+            format!("{what} ({done} of {total})"),
+            false,
+        ),
+        SceneStatus::Ready => (Some(1.0), "ready".to_owned(), false),
+        SceneStatus::Failed(sentence) => (None, format!("{sentence}\npress Esc to quit"), true),
+    };
+    Progress {
+        title,
+        fraction,
+        line,
+        failed,
+    }
+}

@@ -1,0 +1,34 @@
+//! The screens as states: loading, then play; while playing, running or paused.
+
+use bevy::prelude::*;
+
+mod loading;
+mod pause;
+mod play;
+
+/// What fills the window.
+#[derive(States, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Screen {
+    /// A scene is being loaded, or failed to load.
+    #[default]
+    Loading,
+    /// The player is in the scene.
+    Play,
+}
+
+/// Whether the game goes on.
+#[derive(SubStates, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[source(Screen = Screen::Play)]
+pub enum Activity {
+    /// The player moves, the mouse is captured.
+    #[default]
+    Running,
+    /// The pause menu is open: time stands still and the mouse is free.
+    Paused,
+}
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_state::<Screen>()
+        .add_sub_state::<Activity>()
+        .add_plugins((loading::plugin, play::plugin, pause::plugin));
+}

@@ -1,0 +1,66 @@
+//! The play screen: puts the player into the scene, shows the head-up display and the help.
+
+use bevy::prelude::*;
+
+use super::Screen;
+use crate::{
+    demo::{
+        DemoSystems, Scenes,
+        input::{Action, Intent, ROWS},
+        player::player,
+    },
+    level::{LoadedScene, RequestedScene, SceneStatus},
+    ui::{
+        help::{HelpRoot, help},
+        hud::hud,
+    },
+};
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(OnEnter(Screen::Play), open).add_systems(
+        Update,
+        (toggle_help, next_scene)
+            .in_set(DemoSystems::Act)
+            .run_if(in_state(Screen::Play)),
+    );
+}
+
+fn open(mut commands: Commands, scene: Res<LoadedScene>) {
+    commands.spawn((player(&scene), DespawnOnExit(Screen::Play)));
+    commands.spawn((hud(), DespawnOnExit(Screen::Play)));
+}
+
+fn toggle_help(mut commands: Commands, intent: Res<Intent>, open: Query<Entity, With<HelpRoot>>) {
+    if !intent.started(Action::ToggleHelp) {
+        return;
+    }
+    if open.is_empty() {
+        let rows = ROWS
+            .iter()
+            .map(|row| (row.label(), row.does.to_owned()))
+            .collect();
+        commands.spawn((help(rows), DespawnOnExit(Screen::Play)));
+    }
+    for entity in &open {
+        commands.entity(entity).despawn();
+    }
+}
+
+/// Asks for the next level of the list and goes to the loading screen.
+fn next_scene(
+    intent: Res<Intent>,
+    scenes: Res<Scenes>,
+    mut requested: ResMut<RequestedScene>,
+    mut status: ResMut<SceneStatus>,
+    mut next: ResMut<NextState<Screen>>,
+) {
+    if !intent.started(Action::NextScene) {
+        return;
+    }
+    if let Some(scene) = scenes.after(requested.0.as_ref()) {
+        requested.0 = Some(scene);
+        // Until the level room takes notice: the old scene's `Ready` must not end the loading screen.
+        *status = SceneStatus::Idle;
+        next.set(Screen::Loading);
+    }
+}

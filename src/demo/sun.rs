@@ -1,0 +1,177 @@
+//! The sun by keys: azimuth and elevation to the direction of sunlight and back.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+use bevy::prelude::*;
+
+use super::{DemoSystems, input::Intent, screens::Activity};
+use crate::level::Sun;
+
+/// Where the sun stands, seen from the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunAngles {
+    /// Radians clockwise from −z (north) seen from above: a quarter turn is +x (east). In −π..=π.
+    pub azimuth: f32,
+    /// Radians above the horizon, within [`SunAngles::MIN_ELEVATION`]..=[`SunAngles::MAX_ELEVATION`].
+    pub elevation: f32,
+}
+
+/// Radians per second while a key is held.
+const SPEED: f32 = 20.0 * DEGREE;
+const DEGREE: f32 = TAU / 360.0;
+/// Below this horizontal length a direction has no azimuth.
+const NO_AZIMUTH: f32 = 1.0e-4;
+
+impl SunAngles {
+    /// The lowest sun that the keys reach: 2 degrees. Shadows are then 29 times as long as their casters are high.
+    pub const MIN_ELEVATION: f32 = 2.0 * DEGREE;
+    /// The highest: 89.5 degrees, so that the azimuth stays known.
+    pub const MAX_ELEVATION: f32 = 89.5 * DEGREE;
+
+    /// The direction in which sunlight travels, of unit length.
+    pub fn light_dir(&self) -> Vec3 {
+        let (sin_azimuth, cos_azimuth) = self.azimuth.sin_cos();
+        let (sin_elevation, cos_elevation) = self.elevation.sin_cos();
+        -Vec3::new(
+            sin_azimuth * cos_elevation,
+            sin_elevation,
+            -cos_azimuth * cos_elevation,
+        )
+    }
+
+    /// The angles of sunlight that travels along `light_dir` (any length), clamped into the keys' range.
+    /// A vertical direction has azimuth 0, a zero or non-finite one is taken for vertical.
+    pub fn from_light_dir(light_dir: Vec3) -> Self {
+        let to_sun = -light_dir.try_normalize().unwrap_or(Vec3::NEG_Y);
+        let azimuth = if to_sun.xz().length() < NO_AZIMUTH {
+            0.0
+        } else {
+            to_sun.x.atan2(-to_sun.z)
+        };
+        Self {
+            azimuth,
+            elevation: to_sun.y.clamp(-1.0, 1.0).asin(),
+        }
+        .clamped()
+    }
+
+    /// Turned by `azimuth` and raised by `elevation` radians, clamped; non-finite steps change nothing.
+    #[must_use]
+    pub fn moved(&self, azimuth: f32, elevation: f32) -> Self {
+        let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
+        Self {
+            azimuth: self.azimuth + finite(azimuth),
+            elevation: self.elevation + finite(elevation),
+        }
+        .clamped()
+    }
+
+    /// The light's rotation: −z along the light, y up as far as possible.
+    pub fn rotation(&self) -> Quat {
+        Quat::from_rotation_y(-self.azimuth)
+            * Quat::from_rotation_y(std::f32::consts::PI)
+            * Quat::from_rotation_x(-self.elevation)
+    }
+
+    fn clamped(self) -> Self {
+        let azimuth = (self.azimuth + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0;
+        Self {
+            azimuth,
+            elevation: self
+                .elevation
+                .clamp(Self::MIN_ELEVATION, Self::MAX_ELEVATION.min(FRAC_PI_2)),
+        }
+    }
+}
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(
+        Update,
+        move_sun
+            .in_set(DemoSystems::Act)
+            .run_if(in_state(Activity::Running)),
+    );
+}
+
+fn move_sun(intent: Res<Intent>, time: Res<Time>, mut suns: Query<&mut Transform, With<Sun>>) {
+    let step = intent.sun * SPEED * time.delta_secs() + intent.sun_drag;
+    if step == Vec2::ZERO {
+        return;
+    }
+    for mut transform in &mut suns {
+        let angles = SunAngles::from_light_dir(transform.forward().as_vec3()).moved(step.x, step.y);
+        transform.rotation = angles.rotation();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn degrees(azimuth: f32, elevation: f32) -> SunAngles {
+        SunAngles {
+            azimuth: azimuth * DEGREE,
+            elevation: elevation * DEGREE,
+        }
+    }
+
+    #[test]
+    fn morning_sun_stands_in_the_east_and_shines_west() {
+        let light_dir = degrees(90.0, 45.0).light_dir();
+        assert!(
+            light_dir.abs_diff_eq(Vec3::new(-1.0, -1.0, 0.0).normalize(), 1e-6),
+            "{light_dir}"
+        );
+    }
+
+    #[test]
+    fn degenerate_directions_have_angles() {
+        for light_dir in [
+            Vec3::NEG_Y,
+            Vec3::ZERO,
+            Vec3::NAN,
+            Vec3::splat(f32::INFINITY),
+        ] {
+            let angles = SunAngles::from_light_dir(light_dir);
+            assert_eq!(angles, degrees(0.0, 89.5).clamped(), "{light_dir}");
+        }
+        let below = SunAngles::from_light_dir(Vec3::new(1.0, 0.5, 0.0));
+        assert!(
+            (below.elevation - SunAngles::MIN_ELEVATION).abs() < 1e-6,
+            "from below the horizon: {below:?}"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn angles_survive_the_round_trip(azimuth in -180.0f32..180.0, elevation in 2.0f32..89.0) {
+            let angles = degrees(azimuth, elevation);
+            let back = SunAngles::from_light_dir(angles.light_dir());
+            let turn = (back.azimuth - angles.azimuth + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0;
+            prop_assert!(turn.abs() * elevation.to_radians().cos() < 1e-4, "{angles:?} {back:?}");
+            prop_assert!((back.elevation - angles.elevation).abs() < 1e-3, "{angles:?} {back:?}");
+        }
+
+        #[test]
+        fn the_rotation_looks_along_the_light(azimuth in -180.0f32..180.0, elevation in 2.0f32..89.5) {
+            let angles = degrees(azimuth, elevation);
+            let forward = angles.rotation() * Vec3::NEG_Z;
+            prop_assert!(forward.abs_diff_eq(angles.light_dir(), 1e-5), "{forward} {}", angles.light_dir());
+            let up = angles.rotation() * Vec3::Y;
+            prop_assert!(up.y > 0.0, "never upside down: {up}");
+        }
+
+        #[test]
+        fn moving_stays_in_range(steps in prop::collection::vec((-10.0f32..10.0, -10.0f32..10.0), 0..40)) {
+            let mut angles = degrees(30.0, 45.0);
+            for (azimuth, elevation) in steps {
+                angles = angles.moved(azimuth, elevation).moved(f32::NAN, f32::INFINITY);
+                prop_assert!((SunAngles::MIN_ELEVATION..=SunAngles::MAX_ELEVATION).contains(&angles.elevation), "{angles:?}");
+                prop_assert!(angles.azimuth.abs() <= TAU / 2.0 + 1e-5, "{angles:?}");
+                prop_assert!(angles.light_dir().is_normalized(), "{angles:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Techniques and their settings, switched while playing.
+
+use bevy::prelude::*;
+
+use super::{
+    DemoSystems,
+    hud::Notice,
+    input::{Action, Intent},
+    screens::Activity,
+};
+use crate::{
+    level::Sun,
+    maths::{split::SplitScheme, warp::Warp},
+    shadow::{
+        settings::{PartitionSelection, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+        technique::Technique,
+    },
+};
+
+/// What the player has chosen; the sun of every level gets it.
+#[derive(Resource, Clone, Debug, PartialEq)]
+pub struct Chosen(pub Technique);
+
+/// One of the settings that the keys 1 to 9 step through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// Number of z-partitions.
+    Partitions,
+    /// Split scheme.
+    Split,
+    /// Warp.
+    Warp,
+    /// Texels per side of a map.
+    MapSize,
+    /// Which map a point reads.
+    Selection,
+    /// Filter of the depth comparison.
+    Filter,
+    /// Bias.
+    Bias,
+    /// Full or drop-in.
+    Path,
+    /// View depth up to which there are shadows.
+    Distance,
+}
+
+const COUNTS: &[u32] = &[1, 2, 3, 4, 6, 8, 12, 16];
+const SCHEMES: &[SplitScheme] = &[
+    SplitScheme::Practical { lambda: 0.8 },
+    SplitScheme::Logarithmic,
+    SplitScheme::Uniform,
+    SplitScheme::Practical { lambda: 0.5 },
+];
+const WARPS: &[Warp] = &[
+    Warp::Lispsm,
+    Warp::Uniform,
+    Warp::Free { eta: -0.5 },
+    Warp::Psm,
+];
+const MAP_SIZES: &[u32] = &[512, 1024, 2048, 4096];
+const SELECTIONS: &[PartitionSelection] = &[
+    PartitionSelection::BestResolution,
+    PartitionSelection::Depth,
+];
+const FILTERS: &[ShadowFilter] = &[ShadowFilter::Pcf2, ShadowFilter::Hard];
+const BIASES: &[ShadowBias] = &[
+    ShadowBias::Footprint { scale: 1.0 },
+    ShadowBias::Constant { metres: 0.05 },
+    ShadowBias::None,
+];
+const PATHS: &[ShadowPath] = &[ShadowPath::Full, ShadowPath::DropIn];
+const DISTANCES: &[Option<f32>] = &[None, Some(50.0), Some(100.0), Some(200.0), Some(400.0)];
+
+impl Setting {
+    /// In the order of their keys.
+    pub const ALL: [Self; 9] = [
+        Self::Partitions,
+        Self::Split,
+        Self::Warp,
+        Self::MapSize,
+        Self::Selection,
+        Self::Filter,
+        Self::Bias,
+        Self::Path,
+        Self::Distance,
+    ];
+
+    /// The setting of a digit key, 1..=9.
+    pub fn of_key(digit: u8) -> Option<Self> {
+        usize::from(digit)
+            .checked_sub(1)
+            .and_then(|index| Self::ALL.get(index))
+            .copied()
+    }
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Partitions => "partitions",
+            Self::Split => "split",
+            Self::Warp => "warp",
+            Self::MapSize => "map size",
+            Self::Selection => "select",
+            Self::Filter => "filter",
+            Self::Bias => "bias",
+            Self::Path => "path",
+            Self::Distance => "distance",
+        }
+    }
+
+    /// Its value on screen.
+    pub fn value(self, settings: &SunShadows) -> String {
+        match self {
+            Self::Partitions => settings.partitions.count.to_string(),
+            Self::Split => match &settings.partitions.scheme {
+                SplitScheme::Uniform => "uniform".into(),
+                SplitScheme::Logarithmic => "logarithmic".into(),
+                SplitScheme::Practical { lambda } => format!("practical {lambda}"),
+                SplitScheme::Manual(depths) => format!("manual {depths:?}"),
+            },
+            Self::Warp => match settings.warp {
+                Warp::Uniform => "uniform".into(),
+                Warp::Lispsm => "LiSPSM".into(),
+                Warp::Psm => "PSM".into(),
+                Warp::Free { eta } => format!("free {eta}"),
+            },
+            Self::MapSize => format!("{} texels", settings.map_size),
+            Self::Selection => match settings.selection {
+                PartitionSelection::Depth => "by depth".into(),
+                PartitionSelection::BestResolution => "best resolution".into(),
+            },
+            Self::Filter => match settings.filter {
+                ShadowFilter::Hard => "hard".into(),
+                ShadowFilter::Pcf2 => "2x2 PCF".into(),
+            },
+            Self::Bias => match settings.bias {
+                ShadowBias::None => "none".into(),
+                ShadowBias::Constant { metres } => format!("constant {metres} m"),
+                ShadowBias::Footprint { scale } => format!("footprint x {scale}"),
+            },
+            Self::Path => match settings.path {
+                ShadowPath::Full => "full".into(),
+                ShadowPath::DropIn => "drop-in".into(),
+            },
+            Self::Distance => match settings.distance {
+                None => "to the far plane".into(),
+                Some(metres) => format!("{metres} m"),
+            },
+        }
+    }
+
+    /// Steps to the next value, or back; a value that is not in the list goes to its first. The drop-in path keeps
+    /// at most [`SunShadows::MAX_DROP_IN_PARTITIONS`] partitions.
+    pub fn step(self, settings: &mut SunShadows, back: bool) {
+        let partitions = &mut settings.partitions;
+        match self {
+            Self::Partitions => partitions.count = neighbor(COUNTS, &partitions.count, back),
+            Self::Split => partitions.scheme = neighbor(SCHEMES, &partitions.scheme, back),
+            Self::Warp => settings.warp = neighbor(WARPS, &settings.warp, back),
+            Self::MapSize => settings.map_size = neighbor(MAP_SIZES, &settings.map_size, back),
+            Self::Selection => settings.selection = neighbor(SELECTIONS, &settings.selection, back),
+            Self::Filter => settings.filter = neighbor(FILTERS, &settings.filter, back),
+            Self::Bias => settings.bias = neighbor(BIASES, &settings.bias, back),
+            Self::Path => settings.path = neighbor(PATHS, &settings.path, back),
+            Self::Distance => settings.distance = neighbor(DISTANCES, &settings.distance, back),
+        }
+        let count = &mut settings.partitions.count;
+        if settings.path == ShadowPath::DropIn && *count > SunShadows::MAX_DROP_IN_PARTITIONS {
+            *count = match (self, back) {
+                (Self::Partitions, false) => 1,
+                _ => SunShadows::MAX_DROP_IN_PARTITIONS,
+            };
+        }
+    }
+}
+
+/// The value after `current` (or before), going round; the first where `current` is not among them.
+fn neighbor<T: Clone + PartialEq>(values: &[T], current: &T, back: bool) -> T {
+    let step = if back { values.len() - 1 } else { 1 };
+    let index = values
+        .iter()
+        .position(|value| value == current)
+        .map_or(0, |index| (index + step) % values.len());
+    values[index].clone()
+}
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(
+        Update,
+        (
+            (switch_technique, switch_setting).run_if(in_state(Activity::Running)),
+            apply.run_if(any_with_component::<Sun>),
+        )
+            .chain()
+            .in_set(DemoSystems::Act),
+    );
+}
+
+fn switch_technique(intent: Res<Intent>, mut chosen: ResMut<Chosen>, mut notice: ResMut<Notice>) {
+    let back = intent.started(Action::PreviousTechnique);
+    if back || intent.started(Action::NextTechnique) {
+        chosen.0 = neighbor(&Technique::all(), &chosen.0, back);
+        notice.show(format!("technique {}", chosen.0));
+    }
+}
+
+fn switch_setting(intent: Res<Intent>, mut chosen: ResMut<Chosen>, mut notice: ResMut<Notice>) {
+    let Some((setting, back)) = intent
+        .setting()
+        .and_then(|(digit, back)| Some((Setting::of_key(digit)?, back)))
+    else {
+        return;
+    };
+    if let Technique::Umbrage(settings) = &mut chosen.0 {
+        setting.step(settings, back);
+        notice.show(format!("{}: {}", setting.name(), setting.value(settings)));
+    } else {
+        notice.show("Bevy's stock cascades have no settings here: press T for the next technique");
+    }
+}
+
+/// Gives the chosen technique to the sun, when either is new.
+fn apply(mut commands: Commands, chosen: Res<Chosen>, suns: Query<(Entity, Ref<Sun>)>) {
+    for (entity, sun) in &suns {
+        if chosen.is_changed() || sun.is_added() {
+            chosen.0.apply(&mut commands.entity(entity));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_comes_round_in_both_directions() {
+        for setting in Setting::ALL {
+            let mut settings = SunShadows::default();
+            let first = setting.value(&settings);
+            let mut forward = vec![first.clone()];
+            loop {
+                setting.step(&mut settings, false);
+                if setting.value(&settings) == first {
+                    break;
+                }
+                forward.push(setting.value(&settings));
+                assert!(
+                    forward.len() < 20,
+                    "{setting:?} does not come round: {forward:?}"
+                );
+            }
+            assert!(forward.len() > 1, "{setting:?} has one value only");
+            setting.step(&mut settings, true);
+            assert_eq!(
+                Some(&setting.value(&settings)),
+                forward.last(),
+                "{setting:?} backwards"
+            );
+            assert!(
+                forward.iter().all(|value| value.is_ascii()),
+                "the font has ASCII only: {forward:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn drop_in_never_has_more_than_four_partitions() {
+        let mut settings = SunShadows::default();
+        settings.partitions.count = 16;
+        Setting::Path.step(&mut settings, false);
+        assert_eq!(
+            (settings.path, settings.partitions.count),
+            (ShadowPath::DropIn, 4)
+        );
+        Setting::Partitions.step(&mut settings, false);
+        assert_eq!(settings.partitions.count, 1, "four is followed by one");
+        Setting::Partitions.step(&mut settings, true);
+        assert_eq!(settings.partitions.count, 4, "one is preceded by four");
+    }
+
+    #[test]
+    fn a_value_from_the_command_line_goes_to_the_first_of_the_list() {
+        let mut settings = SunShadows {
+            map_size: 3000,
+            ..Default::default()
+        };
+        Setting::MapSize.step(&mut settings, false);
+        assert_eq!(settings.map_size, MAP_SIZES[0]);
+    }
+
+    #[test]
+    fn digits_name_the_settings_in_order() {
+        assert_eq!(Setting::of_key(1), Some(Setting::Partitions));
+        assert_eq!(Setting::of_key(9), Some(Setting::Distance));
+        assert_eq!(Setting::of_key(0), None);
+        assert_eq!(Setting::of_key(10), None);
+    }
+}

@@ -1,0 +1,181 @@
+//! What the keys do while playing.
+
+use bevy::prelude::*;
+use umbrage::{
+    demo::walker::Mode,
+    shadow::{settings::ShadowPath, technique::Technique},
+};
+
+use crate::game::Game;
+
+#[test]
+fn wasd_walks_and_the_camera_follows() {
+    let mut game = Game::playing();
+    game.hold(KeyCode::KeyW);
+    game.hold(KeyCode::KeyD);
+    game.seconds(1.0);
+    let walker = game.walker();
+    assert!(
+        walker.feet.x > 2.0 && walker.feet.z < -2.0 && walker.feet.y == 0.0,
+        "{}",
+        walker.feet
+    );
+    let world = game.0.world_mut();
+    let camera = world
+        .query_filtered::<&GlobalTransform, With<Camera3d>>()
+        .single(world)
+        .unwrap();
+    assert!(
+        camera.translation().abs_diff_eq(walker.eye(), 1e-4),
+        "{} {}",
+        camera.translation(),
+        walker.eye()
+    );
+}
+
+#[test]
+fn the_mouse_turns_the_view() {
+    let mut game = Game::playing();
+    game.move_mouse(Vec2::new(200.0, 0.0));
+    let right = game.walker();
+    assert!(right.yaw < -0.3 && right.pitch.abs() < 1e-3, "{right:?}");
+    game.move_mouse(Vec2::new(0.0, -100_000.0));
+    assert!(game.walker().camera().is_finite());
+    assert!(game.walker().pitch > 1.0, "upwards, but not over");
+}
+
+#[test]
+fn f_flies_and_lands() {
+    let mut game = Game::playing();
+    game.tap(KeyCode::KeyF);
+    assert_eq!(game.walker().mode, Mode::Fly);
+    game.hold(KeyCode::KeyE);
+    game.seconds(1.0);
+    game.release(KeyCode::KeyE);
+    assert!(game.walker().eye().y > 10.0, "{}", game.walker().eye());
+    game.tap(KeyCode::KeyF);
+    assert_eq!(game.walker().mode, Mode::Walk);
+    game.seconds(3.0);
+    assert_eq!(game.walker().feet.y, 0.0);
+}
+
+#[test]
+fn t_goes_through_all_techniques_and_the_sun_gets_them() {
+    let mut game = Game::playing();
+    let all = Technique::all();
+    let mut seen = Vec::new();
+    for _ in 0..all.len() {
+        game.tap(KeyCode::KeyT);
+        let technique = game.technique();
+        assert_eq!(game.hud().title, technique.to_string());
+        match &technique {
+            Technique::Bevy => assert_eq!(game.sun_settings(), None),
+            Technique::Umbrage(settings) => {
+                assert_eq!(game.sun_settings().as_ref(), Some(settings))
+            }
+        }
+        seen.push(technique);
+    }
+    assert!(
+        all.iter().all(|technique| seen.contains(technique)),
+        "{seen:?}"
+    );
+    let last = game.technique();
+    game.shift_tap(KeyCode::KeyT);
+    assert_eq!(game.technique(), seen[seen.len() - 2], "Shift+T goes back");
+    game.tap(KeyCode::KeyT);
+    assert_eq!(game.technique(), last);
+}
+
+#[test]
+fn digits_change_the_settings_of_the_sun() {
+    let mut game = Game::playing();
+    let before = game.sun_settings().unwrap();
+    game.tap(KeyCode::Digit4);
+    let bigger = game.sun_settings().unwrap();
+    assert_eq!(bigger.map_size, 2 * before.map_size);
+    assert!(
+        game.hud().settings.contains("4096"),
+        "{}",
+        game.hud().settings
+    );
+    assert!(game.hud().notice.contains("4096"), "{}", game.hud().notice);
+    game.shift_tap(KeyCode::Digit4);
+    assert_eq!(game.sun_settings().unwrap(), before, "Shift steps back");
+    game.tap(KeyCode::Digit8);
+    assert_eq!(game.sun_settings().unwrap().path, ShadowPath::DropIn);
+    game.seconds(5.0);
+    assert_eq!(game.hud().notice, "", "a notice goes away");
+}
+
+#[test]
+fn bevy_s_cascades_have_no_settings_and_say_so() {
+    let mut game = Game::playing();
+    while game.technique() != Technique::Bevy {
+        game.tap(KeyCode::KeyT);
+    }
+    game.tap(KeyCode::Digit1);
+    assert_eq!(game.technique(), Technique::Bevy);
+    assert!(
+        game.hud().notice.contains("no settings"),
+        "{}",
+        game.hud().notice
+    );
+}
+
+#[test]
+fn arrows_move_the_sun_while_held() {
+    let mut game = Game::playing();
+    let start = game.sun();
+    assert!(
+        (start.azimuth.to_degrees() - 90.0).abs() < 0.1
+            && (start.elevation.to_degrees() - 45.0).abs() < 0.1
+    );
+    game.hold(KeyCode::ArrowUp);
+    let mut last = start.elevation;
+    for _ in 0..30 {
+        game.frames(1);
+        let now = game.sun().elevation;
+        assert!(
+            now > last && now - last < 0.02,
+            "a small step each frame: {last} {now}"
+        );
+        last = now;
+    }
+    game.seconds(6.0);
+    assert!(
+        (game.sun().elevation.to_degrees() - 89.5).abs() < 0.1,
+        "the top: {:?}",
+        game.sun()
+    );
+    game.release(KeyCode::ArrowUp);
+    game.hold(KeyCode::ArrowRight);
+    game.seconds(1.0);
+    assert!(
+        game.sun().azimuth > start.azimuth + 0.2,
+        "clockwise: {:?}",
+        game.sun()
+    );
+    game.release(KeyCode::ArrowRight);
+    game.hold(KeyCode::ArrowDown);
+    game.seconds(6.0);
+    assert!(
+        (game.sun().elevation.to_degrees() - 2.0).abs() < 0.1,
+        "the bottom: {:?}",
+        game.sun()
+    );
+}
+
+#[test]
+fn l_gives_the_mouse_to_the_sun() {
+    let mut game = Game::playing();
+    let (sun, walker) = (game.sun(), game.walker());
+    game.hold(KeyCode::KeyL);
+    game.move_mouse(Vec2::new(100.0, -50.0));
+    assert!(
+        game.sun().azimuth > sun.azimuth && game.sun().elevation > sun.elevation,
+        "{:?}",
+        game.sun()
+    );
+    assert_eq!(game.walker(), walker, "the view stands still");
+}
