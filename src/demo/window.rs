@@ -12,7 +12,7 @@ use bevy::{
 
 use super::{DemoPlugin, Verdict};
 use crate::{
-    level::{LevelPlugin, find::AssetRoot, scene::SceneSource},
+    level::{LevelPlugin, find::AssetRoot, loader, scene::SceneSource},
     shadow::technique::Technique,
 };
 
@@ -140,9 +140,11 @@ fn build(options: &PlayOptions) -> App {
             primary_window: Some(window),
             ..default()
         })
+        .set(loader::asset_plugin(&options.assets))
         // The window system is asked first, so that nothing is logged twice when it says no.
         .add_after::<WinitPlugin>(LogPlugin::default());
     let mut app = App::new();
+    loader::register_sources(&mut app, &options.assets);
     app.add_plugins((
         defaults,
         LevelPlugin {
