@@ -9,6 +9,7 @@ use bevy_math::{DMat3, DMat4, DVec2, DVec3, DVec4, Mat4};
 
 use super::{
     body::nearest_depth,
+    bounds::Bounds,
     error::LightSample,
     polytope::{Polytope, PolytopeState},
     view::ViewVolume,
@@ -79,6 +80,8 @@ pub struct FitInput<'a> {
     pub map_size: u32,
     /// Texels left free on every side, so that filter kernels read inside the map.
     pub guard_texels: f64,
+    /// Metres left free around the receivers, for lookups that move the receiver before they project it.
+    pub guard_metres: f64,
 }
 
 /// Why there is no light view.
@@ -180,7 +183,8 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
             _ => {}
         }
     }
-    if !input.light_travel.is_finite() || input.guard_texels.is_nan() {
+    if !input.light_travel.is_finite() || input.guard_texels.is_nan() || input.guard_metres.is_nan()
+    {
         return Fit::Degenerate(Unfit::NotFinite);
     }
     let Some(axes) = LightAxes::new(input.view.forward(), input.view.up(), input.light_travel)
@@ -232,14 +236,24 @@ struct Bodies {
 
 impl Bodies {
     fn new(input: &FitInput, axes: &LightAxes, across_center: f64) -> Self {
+        let guard = Bounds::new(DVec3::ZERO, DVec3::ZERO).expanded(input.guard_metres.max(0.0));
+        let corners = guard.corners();
+        let offsets = if input.guard_metres > 0.0 {
+            &corners[..]
+        } else {
+            &corners[..1]
+        };
         let in_light = |body: &Polytope| -> Vec<DVec3> {
-            body.vertices()
+            let coordinates = body
+                .vertices()
                 .iter()
-                .map(|vertex| axes.coordinates(*vertex))
+                .map(|vertex| axes.coordinates(*vertex));
+            coordinates
+                .flat_map(|point| offsets.iter().map(move |offset| point + offset))
                 .collect()
         };
         let (mut visible, mut body) = (in_light(input.visible), in_light(input.body));
-        let bounds = super::bounds::Bounds::from_points(visible.iter().chain(&body).copied());
+        let bounds = Bounds::from_points(visible.iter().chain(&body).copied());
         let smallest = (bounds.size().max_element() * 1.0e-5).max(1.0e-6);
         let extent = bounds.size().y;
         let padding = (smallest - extent).max(0.0) * 0.5;

@@ -1,1 +1,4 @@
 //! Render world: the passes that draw and apply light views.
+
+pub mod capture;
+pub mod mask;

@@ -14,6 +14,8 @@ pub struct LightView {
     /// Mean side of a texel in metres at the middle of the body (the local value is
     /// `maths::footprint`).
     pub texel_size: f32,
+    /// The largest side of a texel in metres, at the far end of the warp; equal to `texel_size` for square uniform texels.
+    pub largest_texel_size: f32,
     /// View depth interval that this map is meant for, in metres, half open.
     pub near_depth: f32,
     /// End of the interval.

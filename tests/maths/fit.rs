@@ -28,6 +28,7 @@ fn the_published_matrix() {
         warp: Warp::Lispsm,
         map_size: 1024,
         guard_texels: 0.0,
+        guard_metres: 0.0,
     })
     .fitted()
     .expect("a frustum lit from above");
@@ -181,6 +182,7 @@ fn guard_texels_stay_free() {
         warp: Warp::Lispsm,
         map_size: 256,
         guard_texels: 3.0,
+        guard_metres: 0.0,
     };
     let fit = fit_light_view(&input).fitted().expect("a proper camera");
     let largest = body
@@ -196,6 +198,41 @@ fn guard_texels_stay_free() {
     .fitted()
     .expect("clamped");
     assert!(absurd.clip_from_world.is_finite());
+}
+
+#[test]
+fn moved_receivers_stay_inside() {
+    let view = papers_camera(1.0, 60.0);
+    let light_travel = DVec3::new(0.2, -1.0, 0.1);
+    let (visible, body) = bodies(&view, &huge_scene(), light_travel);
+    let fit = fit_light_view(&FitInput {
+        view: &view,
+        visible: &visible,
+        body: &body,
+        light_travel,
+        warp: Warp::Lispsm,
+        map_size: 256,
+        guard_texels: 0.0,
+        guard_metres: 0.7,
+    })
+    .fitted()
+    .expect("a proper camera");
+    for vertex in visible.vertices() {
+        for offset in [
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            DVec3::NEG_X,
+            DVec3::NEG_Y,
+            DVec3::NEG_Z,
+        ] {
+            let ndc = ndc(&fit, *vertex + offset * 0.7);
+            assert!(
+                ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0 && ndc.z > 0.0,
+                "{ndc}"
+            );
+        }
+    }
 }
 
 /// Stingl, oracle 20: overhead light and a symmetric frustum give a symmetric map in every split.
@@ -347,6 +384,7 @@ fn inputs_without_an_answer_are_named() {
             warp: Warp::Lispsm,
             map_size: 0,
             guard_texels: 1.0,
+            guard_metres: 0.0,
         })
     };
     let down = DVec3::NEG_Y;

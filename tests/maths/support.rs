@@ -60,6 +60,7 @@ pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: 
         warp,
         map_size: 1024,
         guard_texels: 0.0,
+        guard_metres: 0.0,
     })
     .fitted()
     .expect("a proper camera, scene and light")

@@ -1,0 +1,232 @@
+//! The arguments of the command line.
+
+use std::{path::PathBuf, str::FromStr};
+
+use clap::{Args as ClapArgs, Parser, Subcommand};
+
+use super::{
+    pass::Pass,
+    shots::{Shard, Size},
+};
+use crate::{
+    level::scene::SceneSource,
+    shadow::technique::{PRESETS, Technique, TechniqueError},
+};
+
+/// Sharp sun shadows over large worlds: walk in them, photograph them.
+///
+/// Without arguments, `umbrage` plays the forest.
+#[derive(Debug, Parser)]
+#[command(name = "umbrage", version)]
+pub struct Args {
+    /// The folder that contains levels/ and assets/ [default: $UMBRAGE_ASSETS, else here, else beside the executable]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub assets: Option<PathBuf>,
+    /// What to do; nothing: play the forest.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Walk through a scene
+    Play(Play),
+    /// Take pictures of scenes, without a window
+    Shoot(Shoot),
+    /// Say what there is
+    List {
+        /// What to list
+        #[command(subcommand)]
+        what: ListWhat,
+    },
+}
+
+/// Arguments of `play`.
+#[derive(Clone, Debug, PartialEq, ClapArgs)]
+pub struct Play {
+    /// A level (forest, city, room/fence), with settings (stress_trees:count=1000), or a .glb file
+    #[arg(default_value = "forest")]
+    pub scene: SceneSource,
+    /// The technique to begin with, as in zp4+lispsm:size=1024 [default: zp4+lispsm]
+    #[arg(long, value_name = "T", conflicts_with = "preset")]
+    pub technique: Option<NamedTechnique>,
+    /// A bundle of technique and budget: low, medium, high or ultra
+    #[arg(long, value_name = "P", value_parser = preset)]
+    pub preset: Option<Technique>,
+}
+
+impl Default for Play {
+    fn default() -> Self {
+        Self {
+            scene: SceneSource::level("forest"),
+            technique: None,
+            preset: None,
+        }
+    }
+}
+
+impl Play {
+    /// The technique asked for, else the default.
+    #[must_use]
+    pub fn technique(&self) -> Technique {
+        let named = self.technique.as_ref().map(|named| named.technique.clone());
+        named.or_else(|| self.preset.clone()).unwrap_or_default()
+    }
+}
+
+/// Arguments of `shoot`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct Shoot {
+    /// Levels (forest, city, room/fence), with settings (stress_trees:count=1000), or .glb files
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<SceneSource>,
+    /// A JSON file of shots, in place of the scenes' own
+    #[arg(long, value_name = "FILE.json")]
+    pub shots: Option<PathBuf>,
+    /// Only the shot of this name; may be given several times
+    #[arg(long = "shot", value_name = "NAME")]
+    pub shot: Vec<String>,
+    /// A technique, as in zp4+lispsm:size=1024; may be given several times
+    #[arg(long = "technique", value_name = "T", default_value = "zp4+lispsm")]
+    pub techniques: Vec<NamedTechnique>,
+    /// Size of the pictures in pixels, in place of the shots' own
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Which pictures, as `list passes` names them
+    #[arg(long, value_name = "P,P", value_delimiter = ',', default_value = "beauty")]
+    pub passes: Vec<Pass>,
+    /// Only every N-th shot, beginning with the I-th (from 1)
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub shard: Shard,
+    /// Where the pictures and stats.json go
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// What `list` lists.
+#[derive(Clone, Debug, Subcommand)]
+pub enum ListWhat {
+    /// Levels
+    Scenes,
+    /// Techniques, their keys and presets
+    Techniques,
+    /// Kinds of pictures
+    Passes,
+    /// Shots of a scene
+    Shots {
+        /// A level, with or without settings
+        scene: SceneSource,
+    },
+}
+
+/// A technique with the text that asked for it: pictures are named by the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedTechnique {
+    /// As it was given.
+    pub text: String,
+    /// What it means.
+    pub technique: Technique,
+}
+
+impl FromStr for NamedTechnique {
+    type Err = TechniqueError;
+
+    fn from_str(text: &str) -> Result<Self, TechniqueError> {
+        Ok(Self {
+            text: text.to_owned(),
+            technique: text.parse()?,
+        })
+    }
+}
+
+fn preset(name: &str) -> Result<Technique, String> {
+    Technique::preset(name).ok_or_else(|| {
+        format!(
+            "there is no preset `{name}`; there are {}",
+            PRESETS.map(|(name, _)| name).join(", ")
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Args, clap::Error> {
+        Args::try_parse_from(text.split_whitespace())
+    }
+
+    #[test]
+    fn the_definition_is_sound() {
+        <Args as clap::CommandFactory>::command().debug_assert();
+    }
+
+    #[test]
+    fn shoot_has_the_defaults_of_the_contract() {
+        let Ok(Args {
+            command: Some(Command::Shoot(shoot)),
+            ..
+        }) = parse("umbrage shoot forest")
+        else {
+            panic!("`shoot forest` must parse");
+        };
+        assert_eq!(shoot.techniques[0].technique, Technique::default());
+        assert_eq!(shoot.passes, [Pass::Beauty]);
+        assert_eq!(
+            (shoot.out.to_str(), shoot.shard, shoot.size),
+            (Some("out"), Shard::ALL, None)
+        );
+    }
+
+    #[test]
+    fn options_repeat_and_passes_split_at_commas() {
+        let text = "umbrage shoot a.glb forest --technique bevy --technique zp4+lispsm:size=512,filter=hard \
+                    --shot x --shot y --passes beauty,mask --size 64x36 --shard 2/3 --assets dir";
+        let Ok(Args {
+            command: Some(Command::Shoot(shoot)),
+            assets,
+        }) = parse(text)
+        else {
+            panic!("must parse");
+        };
+        assert_eq!(
+            (shoot.scenes.len(), shoot.techniques.len(), shoot.shot.len()),
+            (2, 2, 2)
+        );
+        assert_eq!(shoot.techniques[1].text, "zp4+lispsm:size=512,filter=hard");
+        assert_eq!(shoot.passes, [Pass::Beauty, Pass::Mask]);
+        assert_eq!(assets, Some("dir".into()));
+    }
+
+    #[test]
+    fn play_takes_a_technique_or_a_preset() {
+        let technique = |text: &str| match parse(text) {
+            Ok(Args {
+                command: Some(Command::Play(play)),
+                ..
+            }) => Some(play.technique()),
+            _ => None,
+        };
+        assert_eq!(technique("umbrage play"), Some(Technique::default()));
+        assert_eq!(technique("umbrage play city --preset low"), Technique::preset("low"));
+        assert_eq!(technique("umbrage play --technique bevy"), Some(Technique::Bevy));
+        assert_eq!(technique("umbrage play --technique bevy --preset low"), None);
+    }
+
+    #[test]
+    fn nonsense_exits_with_two() {
+        for text in [
+            "umbrage dance",
+            "umbrage shoot",
+            "umbrage shoot forest --technique blur",
+            "umbrage shoot forest --size 0x10",
+            "umbrage shoot forest --passes beauty,blur",
+            "umbrage shoot forest --shard 4/3",
+            "umbrage play --preset best",
+            "umbrage list",
+        ] {
+            assert_eq!(parse(text).map_err(|error| error.exit_code()).err(), Some(2), "{text}");
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! A Bevy app without window and event loop, driven frame by frame: for pictures and for tests.
+//!
+//! ```no_run
+//! use umbrage::cli::headless;
+//!
+//! let mut app = headless::app(std::path::Path::new("assets"))?;
+//! // Add plugins and spawn things here.
+//! headless::finish(&mut app);
+//! let time = headless::frame(&mut app);
+//! # Ok::<(), headless::HeadlessError>(())
+//! ```
+
+use std::{
+    path::Path,
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+use bevy::{
+    app::{PluginsState, TerminalCtrlCHandlerPlugin},
+    asset::UnapprovedPathMode,
+    log::{Level, LogPlugin},
+    prelude::*,
+    render::{
+        RenderApp, RenderPlugin,
+        pipelined_rendering::PipelinedRenderingPlugin,
+        render_resource::{CachedPipelineState, PipelineCache},
+        renderer::RenderAdapterInfo,
+        settings::{Backends, RenderCreation, WgpuSettings},
+    },
+    shader::ShaderCacheError,
+    tasks::{block_on, tick_global_task_pools_on_main_thread},
+    time::TimeUpdateStrategy,
+    window::{ExitCondition, WindowPlugin},
+    winit::WinitPlugin,
+};
+use thiserror::Error;
+
+use crate::render::capture;
+
+/// Simulated time per frame: headless runs are repeatable, whatever the machine takes.
+pub const TIME_STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
+
+/// Why there can be no headless app.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum HeadlessError {
+    /// No driver, or none that is visible.
+    #[error(
+        "no graphics adapter was found; install a Vulkan driver (Debian, Ubuntu: the package mesa-vulkan-drivers, which \
+         contains a software one) and check that VK_DRIVER_FILES, VK_ICD_FILENAMES and WGPU_BACKEND do not hide it"
+    )]
+    NoAdapter,
+}
+
+/// The backends that Umbrage can use: OpenGL lacks indirect drawing from compute shaders.
+fn backends() -> Backends {
+    WgpuSettings::default().backends.unwrap_or(Backends::PRIMARY) - Backends::GL
+}
+
+/// Whether any adapter is there. Bevy's renderer panics where none is, so this must be asked before.
+#[must_use]
+pub fn has_adapter() -> bool {
+    let backends = backends();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    !block_on(instance.enumerate_adapters(backends)).is_empty()
+}
+
+/// An app with Bevy's default plugins, without window, event loop and pipelined rendering, with synchronous pipeline
+/// compilation, fixed time steps and warnings on stderr. `assets` is the folder of assets; absolute paths of files
+/// elsewhere can be loaded, too.
+///
+/// Add plugins, then call [`finish`], then [`frame`] as often as needed.
+///
+/// # Errors
+/// There is no graphics adapter.
+pub fn app(assets: &Path) -> Result<App, HeadlessError> {
+    if !has_adapter() {
+        return Err(HeadlessError::NoAdapter);
+    }
+    let mut app = App::new();
+    let plugins = DefaultPlugins
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: true,
+            render_creation: RenderCreation::from(WgpuSettings {
+                backends: Some(backends()),
+                ..default()
+            }),
+            ..default()
+        })
+        .set(AssetPlugin {
+            file_path: assets.to_string_lossy().into_owned(),
+            unapproved_path_mode: UnapprovedPathMode::Allow,
+            ..default()
+        })
+        .set(LogPlugin {
+            level: Level::WARN,
+            // Software rendering is expected here and named in the statistics.
+            filter: "bevy_render::renderer=error".to_owned(),
+            ..default()
+        })
+        .disable::<WinitPlugin>()
+        .disable::<PipelinedRenderingPlugin>()
+        // The loop is ours, so that Ctrl+C can do what it always does.
+        .disable::<TerminalCtrlCHandlerPlugin>();
+    // The log belongs to the process: the second app of a test must not set it up again.
+    static LOG_IS_SET: AtomicBool = AtomicBool::new(false);
+    if LOG_IS_SET.swap(true, Ordering::Relaxed) {
+        app.add_plugins(plugins.disable::<LogPlugin>());
+    } else {
+        app.add_plugins(plugins);
+    }
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TIME_STEP));
+    Ok(app)
+}
+
+/// Ends the building of the app: waits for its plugins and finishes them.
+pub fn finish(app: &mut App) {
+    while app.plugins_state() == PluginsState::Adding {
+        tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+}
+
+/// One frame of both worlds, until the GPU has drawn it; the time that it took.
+pub fn frame(app: &mut App) -> Duration {
+    let start = Instant::now();
+    app.update();
+    capture::wait_for_gpu(app);
+    start.elapsed()
+}
+
+/// The adapter in use, as `name (backend)`.
+#[must_use]
+pub fn adapter_name(app: &App) -> String {
+    match app.world().get_resource::<RenderAdapterInfo>() {
+        Some(info) => format!("{} ({})", info.name, info.backend),
+        None => "none".to_owned(),
+    }
+}
+
+/// Whether the pipelines that were asked for so far are built.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Pipelines {
+    /// All are there.
+    Ready,
+    /// Some wait for shaders to be loaded.
+    Waiting,
+    /// One cannot be built; what the compiler says.
+    Failed(String),
+}
+
+/// The state of all pipelines.
+#[must_use]
+pub fn pipelines(app: &App) -> Pipelines {
+    let Some(cache) = app
+        .get_sub_app(RenderApp)
+        .and_then(|render_app| render_app.world().get_resource::<PipelineCache>())
+    else {
+        return Pipelines::Ready;
+    };
+    for pipeline in cache.pipelines() {
+        if let CachedPipelineState::Err(error) = &pipeline.state
+            && !matches!(
+                error,
+                ShaderCacheError::ShaderNotLoaded(_) | ShaderCacheError::ShaderImportNotYetAvailable
+            )
+        {
+            return Pipelines::Failed(error.to_string());
+        }
+    }
+    match cache.waiting_pipelines().next() {
+        Some(_) => Pipelines::Waiting,
+        None => Pipelines::Ready,
+    }
+}

@@ -1,0 +1,253 @@
+//! `umbrage shoot`: pictures of scenes without a window.
+
+mod stage;
+mod stats;
+
+use std::{
+    collections::{BTreeMap, HashSet},
+    io::{self, IsTerminal},
+    path::{Path, PathBuf},
+    thread,
+    time::Duration,
+};
+
+use bevy::prelude::*;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{
+    Failure,
+    args::{NamedTechnique, Shoot},
+    headless,
+    pass::Pass,
+    pictures, remark, say,
+    shots::{self, Shard, ShotError},
+};
+use crate::{
+    level::{
+        LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root, scene::SceneSource, shot::Shot,
+    },
+    render::{UmbragePlugins, mask::MaskPlugin},
+};
+use stage::Stage;
+use stats::{FrameTimes, Stats, Take};
+
+/// Takes all pictures that the arguments ask for.
+pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
+    let root = asset_root(assets).map_err(Failure::failed)?;
+    for scene in &args.scenes {
+        scene.check(&root).map_err(Failure::failed)?;
+    }
+    let from_file = args
+        .shots
+        .as_deref()
+        .map(shots::read_shots)
+        .transpose()
+        .map_err(Failure::failed)?;
+    pictures::make_folder(&args.out).map_err(Failure::Failed)?;
+    let mut app = headless::app(&root.assets()).map_err(Failure::failed)?;
+    app.add_plugins((LevelPlugin { root }, UmbragePlugins, MaskPlugin));
+    headless::finish(&mut app);
+    let mut session = Session {
+        stats: Stats::new(&app),
+        app,
+        args,
+        from_file,
+        names: HashSet::new(),
+        place: 0,
+        bar: progress_bar(),
+    };
+    let result = args.scenes.iter().try_for_each(|scene| session.shoot_scene(scene));
+    session.bar.finish_and_clear();
+    result
+}
+
+/// A bar on a terminal, nothing anywhere else.
+fn progress_bar() -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// A running `shoot`.
+struct Session<'a> {
+    app: App,
+    args: &'a Shoot,
+    from_file: Option<Vec<Shot>>,
+    stats: Stats,
+    /// File names so far.
+    names: HashSet<String>,
+    /// Shots so far, of all scenes: what shards count.
+    place: usize,
+    bar: ProgressBar,
+}
+
+impl Session<'_> {
+    fn shoot_scene(&mut self, source: &SceneSource) -> Result<(), Failure> {
+        self.load(source)?;
+        let scene = source.name();
+        let shots = self.shots_of(&scene)?;
+        let sun = {
+            let world = self.app.world_mut();
+            let mut suns = world.query_filtered::<Entity, With<Sun>>();
+            suns.iter(world).next()
+        };
+        let Some(sun) = sun else {
+            return Err(Failure::Failed(format!("{scene} has no sun")));
+        };
+        self.bar.inc_length((shots.len() * self.args.techniques.len()) as u64);
+        for shot in shots {
+            self.shoot_shot(&scene, &shot, sun)?;
+        }
+        Ok(())
+    }
+
+    /// Loads a scene in place of the one before.
+    fn load(&mut self, source: &SceneSource) -> Result<(), Failure> {
+        let world = self.app.world_mut();
+        world.insert_resource(SceneStatus::Idle);
+        world.insert_resource(RequestedScene(Some(source.clone())));
+        loop {
+            self.app.update();
+            match self.app.world().resource::<SceneStatus>() {
+                SceneStatus::Ready => return Ok(()),
+                SceneStatus::Failed(problem) => return Err(Failure::Failed(problem.clone())),
+                SceneStatus::Loading { done, total, what } => {
+                    self.bar.set_message(format!("{source}: {what} {done}/{total}"));
+                }
+                SceneStatus::Idle => {}
+            }
+            // Files are read by other threads.
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// The shots to take of the scene just loaded, checked and in the size asked for.
+    fn shots_of(&mut self, scene: &str) -> Result<Vec<Shot>, Failure> {
+        let all = match (&self.from_file, &self.args.shots) {
+            (Some(shots), Some(file)) => of_file(shots, file, scene)?,
+            _ => self.app.world().resource::<LoadedScene>().shots.clone(),
+        };
+        let mut shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;
+        let first = self.place;
+        self.place += shots.len();
+        let mut place = first..;
+        shots.retain(|_| place.next().is_some_and(|place| self.args.shard.takes(place)));
+        for shot in &mut shots {
+            if let Some(size) = self.args.size {
+                (shot.width, shot.height) = (size.width, size.height);
+            }
+            shots::check(shot).map_err(|problem| {
+                Failure::failed(ShotError::InScene {
+                    scene: scene.to_owned(),
+                    shot: shot.name.clone(),
+                    problem,
+                })
+            })?;
+        }
+        Ok(shots)
+    }
+
+    /// All techniques of one shot.
+    fn shoot_shot(&mut self, scene: &str, shot: &Shot, sun: Entity) -> Result<(), Failure> {
+        let stage = Stage::new(&mut self.app, shot, sun, &self.args.passes);
+        for technique in &self.args.techniques {
+            self.bar
+                .set_message(format!("{scene} {} {}", shot.name, technique.text));
+            let take = self.take(scene, shot, technique, &stage, sun)?;
+            self.stats.takes.push(take);
+            self.bar.inc(1);
+        }
+        stage.strike(&mut self.app);
+        self.write_stats()
+    }
+
+    /// One technique of one shot.
+    fn take(
+        &mut self,
+        scene: &str,
+        shot: &Shot,
+        technique: &NamedTechnique,
+        stage: &Stage,
+        sun: Entity,
+    ) -> Result<Take, Failure> {
+        let app = &mut self.app;
+        stage.apply(app, &technique.technique);
+        let (lit, shaded): (Vec<_>, Vec<_>) = self.args.passes.iter().partition(|pass| **pass == Pass::Lit);
+        let settled = stage.settle(app, &shaded)?;
+        let mut take = Take {
+            scene: scene.to_owned(),
+            shot: shot.clone(),
+            technique: technique.text.clone(),
+            canonical_technique: technique.technique.to_string(),
+            settings: stats::settings_of(app, &technique.technique),
+            files: BTreeMap::new(),
+            is_still: settled.is_still,
+            frame_ms: FrameTimes::new(&settled.seconds),
+            casters: stats::count_casters(app),
+            maps: stats::maps_of(app, sun, &technique.technique),
+            light_views: stats::views_of(app, sun, stage.camera(), &technique.technique),
+        };
+        let mut texels: Vec<_> = shaded.into_iter().zip(settled.texels).collect();
+        if !lit.is_empty() {
+            stage.set_shadows(app, false);
+            let settled = stage.settle(app, &[Pass::Lit])?;
+            stage.set_shadows(app, true);
+            take.is_still &= settled.is_still;
+            texels.extend(settled.texels.into_iter().map(|texels| (Pass::Lit, texels)));
+        }
+        if !take.is_still {
+            remark(format!("{scene}, shot {}: the picture does not stand still", shot.name));
+        }
+        for (pass, texels) in texels {
+            let name = pictures::file_name(scene, &shot.name, &technique.text, pass);
+            if !self.names.insert(name.clone()) {
+                return Err(Failure::Usage(format!(
+                    "two pictures would be called {name}; give scenes, shots and techniques names that differ in [a-z0-9]"
+                )));
+            }
+            let path = self.args.out.join(&name);
+            pictures::write_png(&path, &texels, pass, shot.far).map_err(Failure::failed)?;
+            if io::stdout().is_terminal() {
+                self.bar.suspend(|| say(path.display().to_string()));
+            }
+            take.files.insert(pass.name(), name);
+        }
+        Ok(take)
+    }
+
+    /// Writes the statistics so far. Shards that share a folder write one file each.
+    fn write_stats(&self) -> Result<(), Failure> {
+        let path = self.args.out.join(stats_name(self.args.shard));
+        let json = serde_json::to_string_pretty(&self.stats).map_err(Failure::failed)?;
+        pictures::write_whole(&path, json.as_bytes()).map_err(Failure::failed)
+    }
+}
+
+fn stats_name(shard: Shard) -> PathBuf {
+    if shard == Shard::ALL {
+        "stats.json".into()
+    } else {
+        format!("stats.{}-of-{}.json", shard.index, shard.count).into()
+    }
+}
+
+/// The shots of a file for a scene; there must be some.
+fn of_file(shots: &[Shot], file: &Path, scene: &str) -> Result<Vec<Shot>, Failure> {
+    let own = shots::for_scene(shots, scene);
+    if own.is_empty() {
+        let mut scenes: Vec<_> = shots.iter().filter_map(|shot| shot.scene.as_deref()).collect();
+        scenes.sort_unstable();
+        scenes.dedup();
+        return Err(Failure::failed(ShotError::NoneForScene {
+            file: file.to_owned(),
+            scene: scene.to_owned(),
+            available: shots::list(scenes.into_iter()),
+        }));
+    }
+    Ok(own)
+}

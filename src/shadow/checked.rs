@@ -1,0 +1,205 @@
+//! Settings out of range are corrected, with one warning each.
+
+use std::ops::RangeInclusive;
+
+use bevy::prelude::*;
+use thiserror::Error;
+
+use super::settings::{ShadowBias, ShadowPath, SunShadows};
+use crate::maths::{split::SplitScheme, warp::Warp};
+
+/// Sides of maps that can be asked for, in texels.
+pub const MAP_SIZES: RangeInclusive<u32> = 16..=8192;
+
+/// What was wrong with a setting and what is used instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
+pub enum Correction {
+    /// `partitions.count` on the full path.
+    #[error("SunShadows::partitions.count must be 1 to 16: the nearest is used")]
+    Count,
+    /// `partitions.count` on the drop-in path.
+    #[error(
+        "SunShadows::partitions.count must be 1 to 4 on the drop-in path, because Bevy looks up no more: the nearest is used"
+    )]
+    DropInCount,
+    /// `map_size`.
+    #[error("SunShadows::map_size must be 16 to 8192: the nearest is used")]
+    MapSize,
+    /// `map_size` on the drop-in path.
+    #[error(
+        "SunShadows::map_size must be a power of two on the drop-in path: the next larger is used"
+    )]
+    DropInMapSize,
+    /// `partitions.scheme`.
+    #[error(
+        "SunShadows::partitions.scheme: lambda must be 0 to 1: the nearest is used, 0.5 for NaN"
+    )]
+    Lambda,
+    /// `warp`.
+    #[error("SunShadows::warp: eta must be -1 to 1: the nearest is used, -1 for NaN")]
+    Eta,
+    /// `bias`.
+    #[error("SunShadows::bias must be a finite number, 0 or more: 0 is used")]
+    Bias,
+    /// `distance`.
+    #[error("SunShadows::distance must be more than 0: the camera's far plane is used")]
+    Distance,
+    /// `near`.
+    #[error("SunShadows::near must be a finite number, 0 or more: the camera's near plane is used")]
+    Near,
+}
+
+/// The settings with every value in range, and what had to be corrected.
+pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
+    let mut settings = settings.clone();
+    let mut corrections = Vec::new();
+    let mut clamp = |value: &mut u32, range: RangeInclusive<u32>, correction| {
+        if !range.contains(value) {
+            *value = (*value).clamp(*range.start(), *range.end());
+            corrections.push(correction);
+        }
+    };
+    clamp(&mut settings.map_size, MAP_SIZES, Correction::MapSize);
+    match settings.path {
+        ShadowPath::Full => clamp(
+            &mut settings.partitions.count,
+            1..=SunShadows::MAX_PARTITIONS,
+            Correction::Count,
+        ),
+        ShadowPath::DropIn => clamp(
+            &mut settings.partitions.count,
+            1..=SunShadows::MAX_DROP_IN_PARTITIONS,
+            Correction::DropInCount,
+        ),
+    }
+    if settings.path == ShadowPath::DropIn && !settings.map_size.is_power_of_two() {
+        settings.map_size = settings.map_size.next_power_of_two();
+        corrections.push(Correction::DropInMapSize);
+    }
+    if let SplitScheme::Practical { lambda } = &mut settings.partitions.scheme
+        && !(0.0..=1.0).contains(lambda)
+    {
+        *lambda = if lambda.is_nan() {
+            0.5
+        } else {
+            lambda.clamp(0.0, 1.0)
+        };
+        corrections.push(Correction::Lambda);
+    }
+    if let Warp::Free { eta } = &mut settings.warp
+        && !(-1.0..=1.0).contains(eta)
+    {
+        *eta = if eta.is_nan() {
+            -1.0
+        } else {
+            eta.clamp(-1.0, 1.0)
+        };
+        corrections.push(Correction::Eta);
+    }
+    let is_size = |value: f32| value.is_finite() && value >= 0.0;
+    if let ShadowBias::Constant { metres: bias } | ShadowBias::Footprint { scale: bias } =
+        &mut settings.bias
+        && !is_size(*bias)
+    {
+        *bias = 0.0;
+        corrections.push(Correction::Bias);
+    }
+    if settings.distance.is_some_and(|distance| !(distance > 0.0)) {
+        settings.distance = None;
+        corrections.push(Correction::Distance);
+    }
+    if settings.near.is_some_and(|near| !is_size(near)) {
+        settings.near = None;
+        corrections.push(Correction::Near);
+    }
+    (settings, corrections)
+}
+
+/// Warns of every kind of correction once.
+pub(super) fn warn_of(corrections: Vec<Correction>, known: &mut Vec<Correction>) {
+    for correction in corrections {
+        if !known.contains(&correction) {
+            known.push(correction);
+            warn!("{correction}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shadow::settings::Partitions;
+
+    #[test]
+    fn presets_need_no_correction() {
+        for preset in [
+            SunShadows::LOW,
+            SunShadows::MEDIUM,
+            SunShadows::HIGH,
+            SunShadows::ULTRA,
+        ] {
+            for path in [ShadowPath::Full, ShadowPath::DropIn] {
+                let preset = SunShadows {
+                    path,
+                    ..preset.clone()
+                };
+                assert_eq!(checked(&preset), (preset, Vec::new()));
+            }
+        }
+    }
+
+    #[test]
+    fn everything_wrong_at_once() {
+        let wrong = SunShadows {
+            path: ShadowPath::DropIn,
+            partitions: Partitions {
+                count: 9,
+                scheme: SplitScheme::Practical { lambda: f32::NAN },
+            },
+            warp: Warp::Free { eta: 2.0 },
+            map_size: 1000,
+            bias: ShadowBias::Footprint {
+                scale: f32::INFINITY,
+            },
+            distance: Some(f32::NAN),
+            near: Some(-1.0),
+            ..SunShadows::HIGH
+        };
+        let (right, corrections) = checked(&wrong);
+        assert_eq!(right.partitions.count, 4);
+        assert_eq!(
+            right.partitions.scheme,
+            SplitScheme::Practical { lambda: 0.5 }
+        );
+        assert_eq!(right.warp, Warp::Free { eta: 1.0 });
+        assert_eq!(right.map_size, 1024);
+        assert_eq!(right.bias, ShadowBias::Footprint { scale: 0.0 });
+        assert_eq!((right.distance, right.near), (None, None));
+        assert_eq!(corrections.len(), 7, "{corrections:?}");
+        assert_eq!(
+            checked(&right).1,
+            Vec::new(),
+            "corrected settings are right"
+        );
+    }
+
+    #[test]
+    fn the_full_path_has_its_own_limits() {
+        let wrong = SunShadows {
+            partitions: Partitions {
+                count: 0,
+                ..Partitions::default()
+            },
+            map_size: 1,
+            ..SunShadows::HIGH
+        };
+        let (right, corrections) = checked(&wrong);
+        assert_eq!((right.partitions.count, right.map_size), (1, 16));
+        assert_eq!(corrections, [Correction::MapSize, Correction::Count]);
+        let odd = SunShadows {
+            map_size: 1000,
+            ..SunShadows::HIGH
+        };
+        assert_eq!(checked(&odd).1, Vec::new(), "the atlas takes any size");
+    }
+}

@@ -1,0 +1,141 @@
+//! [`Technique`] to text.
+
+use std::fmt;
+
+use super::{Technique, parse::defaults};
+use crate::{
+    maths::{split::SplitScheme, warp::Warp},
+    shadow::settings::{ShadowBias, SunShadows},
+};
+
+/// The shortest text that means the same: only what differs from the defaults.
+impl fmt::Display for Technique {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let settings = match self {
+            Self::Bevy => return f.write_str("bevy"),
+            Self::Umbrage(settings) => settings,
+        };
+        let count = settings.partitions.count;
+        let warp = match settings.warp {
+            Warp::Uniform => "uniform",
+            Warp::Lispsm => "lispsm",
+            Warp::Psm => "psm",
+            Warp::Free { .. } => "free",
+        };
+        match (count, settings.warp) {
+            (1, _) => f.write_str(warp)?,
+            (_, Warp::Uniform) => write!(f, "zp{count}")?,
+            _ => write!(f, "zp{count}+{warp}")?,
+        }
+        for (index, pair) in changes(settings).iter().enumerate() {
+            write!(f, "{}{pair}", if index == 0 { ':' } else { ',' })?;
+        }
+        Ok(())
+    }
+}
+
+/// `key=value` of everything that differs from the defaults, in the order of [`KEYS`].
+fn changes(settings: &SunShadows) -> Vec<String> {
+    let default = defaults(settings.partitions.count, settings.warp);
+    let mut pairs = Vec::new();
+    if settings.path != default.path {
+        pairs.push("path=dropin".to_owned());
+    }
+    if settings.map_size != default.map_size {
+        pairs.push(format!("size={}", settings.map_size));
+    }
+    if settings.partitions.scheme != default.partitions.scheme {
+        pairs.push(match &settings.partitions.scheme {
+            SplitScheme::Logarithmic => "split=log".to_owned(),
+            SplitScheme::Uniform => "split=uniform".to_owned(),
+            SplitScheme::Practical { lambda } => format!("lambda={lambda}"),
+            SplitScheme::Manual(splits) => {
+                let splits: Vec<_> = splits.iter().map(ToString::to_string).collect();
+                format!("splits={}", splits.join("/"))
+            }
+        });
+    }
+    if settings.selection != default.selection {
+        pairs.push("select=depth".to_owned());
+    }
+    if settings.filter != default.filter {
+        pairs.push("filter=hard".to_owned());
+    }
+    if settings.bias != default.bias {
+        pairs.push(match settings.bias {
+            ShadowBias::None => "bias=none".to_owned(),
+            ShadowBias::Constant { metres } => format!("bias_m={metres}"),
+            ShadowBias::Footprint { scale } => format!("bias_scale={scale}"),
+        });
+    }
+    if let Some(near) = settings.near {
+        pairs.push(format!("near={near}"));
+    }
+    if let Some(distance) = settings.distance {
+        pairs.push(format!("distance={distance}"));
+    }
+    if let Warp::Free { eta } = settings.warp
+        && eta != 0.0
+    {
+        pairs.push(format!("eta={eta}"));
+    }
+    if settings.fallback_map != default.fallback_map {
+        pairs.push("fallback=off".to_owned());
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::shadow::settings::{PartitionSelection, Partitions, ShadowFilter, ShadowPath};
+
+    #[test]
+    fn every_listed_technique_round_trips() {
+        for technique in Technique::all() {
+            assert_eq!(technique.to_string().parse(), Ok(technique));
+        }
+    }
+
+    prop_compose! {
+        fn any_settings()(count in 1u32..=16)(
+            path in if count <= 4 { prop_oneof![Just(ShadowPath::Full), Just(ShadowPath::DropIn)].boxed() } else { Just(ShadowPath::Full).boxed() },
+            scheme in prop_oneof![
+                Just(SplitScheme::Logarithmic),
+                Just(SplitScheme::Uniform),
+                (0.0f32..=1.0).prop_map(|lambda| SplitScheme::Practical { lambda }),
+                Just(Partitions::default().scheme),
+                prop::collection::vec(0.1f32..1000.0, count as usize - 1).prop_map(|mut splits| {
+                    splits.sort_by(f32::total_cmp);
+                    splits.dedup();
+                    if splits.is_empty() || splits.len() + 1 < count as usize { SplitScheme::Uniform } else { SplitScheme::Manual(splits) }
+                }),
+            ],
+            warp in prop_oneof![Just(Warp::Uniform), Just(Warp::Lispsm), Just(Warp::Psm), (-1.0f32..=1.0).prop_map(|eta| Warp::Free { eta })],
+            map_size in 16u32..=4096,
+            selection in prop_oneof![Just(PartitionSelection::Depth), Just(PartitionSelection::BestResolution)],
+            filter in prop_oneof![Just(ShadowFilter::Hard), Just(ShadowFilter::Pcf2)],
+            bias in prop_oneof![
+                Just(ShadowBias::None),
+                (0.0f32..10.0).prop_map(|metres| ShadowBias::Constant { metres }),
+                (0.0f32..10.0).prop_map(|scale| ShadowBias::Footprint { scale }),
+            ],
+            distance in prop::option::of(0.001f32..1e6),
+            near in prop::option::of(0.001f32..1e6),
+            fallback_map in any::<bool>(),
+            count in Just(count),
+        ) -> SunShadows {
+            SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, distance, near, fallback_map }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn text_round_trips(settings in any_settings()) {
+            let technique = Technique::Umbrage(settings);
+            prop_assert_eq!(technique.to_string().parse(), Ok(technique));
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! [`Technique`]: what draws the sun's shadows, and its text form `BASE[+WARP][:key=value,…]`.
+//!
+//! | text | meaning |
+//! |---|---|
+//! | `bevy` | stock cascades |
+//! | `uniform` | one focused map without warp |
+//! | `lispsm`, `psm`, `free` | one warped map |
+//! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
+//!
+//! The keys and their values are in [`KEYS`]. Texels are budgeted: one map has 4096², several share 4096² in a square
+//! grid of cells ([`default_map_size`]), so that techniques compare at equal memory.
+
+mod display;
+mod parse;
+
+pub use parse::{KEYS, TechniqueError};
+
+use bevy::{light::CascadeShadowConfig, prelude::*};
+
+use super::{settings::SunShadows, views::SunViews};
+use crate::maths::warp::Warp;
+
+/// What draws the sun's shadows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Technique {
+    /// Bevy's stock cascades, untouched.
+    Bevy,
+    /// Umbrage with these settings.
+    Umbrage(SunShadows),
+}
+
+impl Default for Technique {
+    /// `zp4+lispsm`: [`SunShadows::HIGH`].
+    fn default() -> Self {
+        Self::Umbrage(SunShadows::HIGH)
+    }
+}
+
+/// The documented bundles of technique and budget, by name, cheapest first.
+pub const PRESETS: [(&str, SunShadows); 4] = [
+    ("low", SunShadows::LOW),
+    ("medium", SunShadows::MEDIUM),
+    ("high", SunShadows::HIGH),
+    ("ultra", SunShadows::ULTRA),
+];
+
+/// Texels per side of each of `count` maps that share one budget of 4096² texels: 4096 for one map, 2048 for two to
+/// four, 1365 for five to nine, 1024 for ten to sixteen (cells of a square grid).
+#[must_use]
+pub fn default_map_size(count: u32) -> u32 {
+    TEXELS_PER_SIDE / cells_per_side(count)
+}
+
+/// Side of the square grid of cells that holds `count` maps.
+fn cells_per_side(count: u32) -> u32 {
+    (1..).find(|side| side * side >= count).unwrap_or(1)
+}
+
+/// Side of the texel budget of a technique.
+const TEXELS_PER_SIDE: u32 = 4096;
+
+impl Technique {
+    /// The techniques worth showing, in the order in which the demo cycles through them.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let of = |count, warp| {
+            let mut settings = SunShadows {
+                warp,
+                map_size: default_map_size(count),
+                ..SunShadows::HIGH
+            };
+            settings.partitions.count = count;
+            Self::Umbrage(settings)
+        };
+        vec![
+            Self::Bevy,
+            of(1, Warp::Uniform),
+            of(1, Warp::Lispsm),
+            of(1, Warp::Psm),
+            of(4, Warp::Uniform),
+            of(4, Warp::Lispsm),
+            of(4, Warp::Psm),
+            of(9, Warp::Lispsm),
+            of(16, Warp::Lispsm),
+        ]
+    }
+
+    /// The bundle of [`PRESETS`] with this name.
+    #[must_use]
+    pub fn preset(name: &str) -> Option<Self> {
+        PRESETS
+            .into_iter()
+            .find(|(preset, _)| *preset == name)
+            .map(|(_, settings)| Self::Umbrage(settings))
+    }
+
+    /// What the technique does, in one line.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let Self::Umbrage(settings) = self else {
+            return "stock cascades".to_owned();
+        };
+        let maps = match settings.partitions.count {
+            1 => "one map".to_owned(),
+            count => format!("{count} z-partitions"),
+        };
+        let warp = match settings.warp {
+            Warp::Uniform => "focused, no warp",
+            Warp::Lispsm => "light space perspective warp",
+            Warp::Psm => "perspective shadow map warp",
+            Warp::Free { .. } => "warp of free strength",
+        };
+        format!("{maps} of {0} x {0} texels, {warp}", settings.map_size)
+    }
+
+    /// Makes this the technique of a sun: call it with the entity of the
+    /// [`DirectionalLight`].
+    ///
+    /// [`Technique::Bevy`] removes everything that Umbrage added and gives the light Bevy's default cascades.
+    pub fn apply(&self, sun: &mut EntityCommands) {
+        match self {
+            Self::Bevy => {
+                sun.remove::<(SunShadows, SunViews)>()
+                    .insert(CascadeShadowConfig::default());
+            }
+            Self::Umbrage(settings) => {
+                sun.insert(settings.clone());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_of_a_technique_stay_within_the_budget() {
+        for count in 1..=SunShadows::MAX_PARTITIONS {
+            let size = default_map_size(count);
+            assert!(
+                count * size * size <= TEXELS_PER_SIDE * TEXELS_PER_SIDE,
+                "{count} maps of {size}²"
+            );
+            assert!(
+                count * (size + 1).pow(2) * 2 > TEXELS_PER_SIDE * TEXELS_PER_SIDE,
+                "{count} maps waste the budget"
+            );
+        }
+        assert_eq!((default_map_size(1), default_map_size(4)), (4096, 2048));
+    }
+
+    #[test]
+    fn presets_are_found_by_name() {
+        assert_eq!(Technique::preset("ultra"), Some(Technique::Umbrage(SunShadows::ULTRA)));
+        assert_eq!(Technique::preset("high"), Some(Technique::default()));
+        assert_eq!(Technique::preset("best"), None);
+    }
+
+    #[test]
+    fn applying_replaces_and_bevy_removes_all() {
+        let mut world = World::new();
+        let sun = world.spawn(DirectionalLight::default()).id();
+        Technique::default().apply(&mut world.commands().entity(sun));
+        world.flush();
+        assert_eq!(world.get::<SunShadows>(sun), Some(&SunShadows::HIGH));
+        world.entity_mut(sun).insert(SunViews::default());
+        Technique::Bevy.apply(&mut world.commands().entity(sun));
+        world.flush();
+        assert!(world.get::<SunShadows>(sun).is_none() && world.get::<SunViews>(sun).is_none());
+        assert_eq!(
+            world.get::<CascadeShadowConfig>(sun).map(|config| config.bounds.len()),
+            Some(CascadeShadowConfig::default().bounds.len())
+        );
+    }
+}

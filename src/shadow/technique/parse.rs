@@ -1,0 +1,498 @@
+//! Text to [`Technique`].
+
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use super::{Technique, cells_per_side, default_map_size};
+use crate::{
+    maths::{split::SplitScheme, warp::Warp},
+    shadow::settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+};
+
+/// The keys after the colon, with the values that they take.
+pub const KEYS: [(&str, &str); 14] = [
+    ("path", "full|dropin"),
+    ("size", "texels per side of one map, 16..=8192"),
+    ("split", "log|practical|uniform|manual"),
+    ("lambda", "0..=1, for split=practical"),
+    ("splits", "ascending metres, e.g. 10/30/80, for split=manual"),
+    ("select", "depth|best"),
+    ("filter", "hard|pcf2"),
+    ("bias", "none|footprint|constant"),
+    ("bias_m", "metres >= 0, for bias=constant"),
+    ("bias_scale", "a factor >= 0, for bias=footprint"),
+    ("near", "auto|metres > 0"),
+    ("distance", "auto|metres > 0"),
+    ("eta", "-1..=1, for the warp free"),
+    ("fallback", "on|off"),
+];
+
+/// What is planned but not built yet; named so that the error can say so.
+const LATER: [&str; 7] = ["fp", "tiled", "queried", "fitted", "optimal", "repar", "tsm"];
+
+/// Metres of `bias=constant` when `bias_m` is not given.
+const CONSTANT_BIAS: f32 = 0.05;
+
+/// Side of the largest texture that every desktop adapter has.
+const MAX_ATLAS: u32 = 16_384;
+
+/// Why a text is no technique.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum TechniqueError {
+    /// Planned, not built.
+    #[error("`{0}` is not available in this version; available are {AVAILABLE}")]
+    Later(String),
+    /// No such base.
+    #[error("there is no technique `{0}`; available are {AVAILABLE}")]
+    Base(String),
+    /// No such warp.
+    #[error("there is no warp `{0}`; available are lispsm, psm and free")]
+    Warp(String),
+    /// z-partitions out of range.
+    #[error("`{0}`: z-partitions are counted 1 to 16, as in `zp4`")]
+    Count(String),
+    /// A base that takes no warp or no keys.
+    #[error("`{base}` takes no {what}")]
+    Takes {
+        /// The base.
+        base: &'static str,
+        /// What was given to it.
+        what: &'static str,
+    },
+    /// No such key.
+    #[error("there is no key `{name}`; keys are {}", key_list())]
+    Key {
+        /// The key given.
+        name: String,
+    },
+    /// A key that was given twice.
+    #[error("the key `{0}` is given twice")]
+    Twice(String),
+    /// A value that the key does not take.
+    #[error("`{key}={value}` is wrong: `{key}` takes {expected}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// The value given.
+        value: String,
+        /// The values that it takes.
+        expected: String,
+    },
+    /// Settings that contradict each other.
+    #[error("{0}")]
+    Together(String),
+}
+
+const AVAILABLE: &str = "bevy, uniform, zp1 to zp16 and the warps lispsm, psm and free, alone or as in `zp4+lispsm`";
+
+fn key_list() -> String {
+    KEYS.map(|(key, _)| key).join(", ")
+}
+
+impl FromStr for Technique {
+    type Err = TechniqueError;
+
+    fn from_str(text: &str) -> Result<Self, TechniqueError> {
+        let (head, settings) = match text.split_once(':') {
+            Some((head, settings)) => (head, Some(settings)),
+            None => (text, None),
+        };
+        let (base, warp) = match head.split_once('+') {
+            Some((base, warp)) => (base, Some(parse_warp(warp)?)),
+            None => (head, None),
+        };
+        let what = warp.map(|_| "warp");
+        let (count, base_warp) = match base {
+            "bevy" => {
+                return match what.or(settings.map(|_| "keys")) {
+                    Some(what) => Err(TechniqueError::Takes { base: "bevy", what }),
+                    None => Ok(Self::Bevy),
+                };
+            }
+            "uniform" => match what {
+                Some(what) => return Err(TechniqueError::Takes { base: "uniform", what }),
+                None => (1, Warp::Uniform),
+            },
+            _ => match (partition_count(base)?, warp) {
+                (Some(count), warp) => (count, warp.unwrap_or(Warp::Uniform)),
+                (None, None) => (1, parse_warp(base).map_err(|_| base_error(base))?),
+                (None, Some(_)) => return Err(base_error(base)),
+            },
+        };
+        let pairs = Pairs::parse(settings.unwrap_or_default())?;
+        settings_of(count, base_warp, &pairs).map(Self::Umbrage)
+    }
+}
+
+fn base_error(base: &str) -> TechniqueError {
+    let stem = base.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    if LATER.contains(&stem) {
+        TechniqueError::Later(base.to_owned())
+    } else {
+        TechniqueError::Base(base.to_owned())
+    }
+}
+
+fn parse_warp(text: &str) -> Result<Warp, TechniqueError> {
+    match text {
+        "lispsm" => Ok(Warp::Lispsm),
+        "psm" => Ok(Warp::Psm),
+        "free" => Ok(Warp::Free { eta: 0.0 }),
+        _ if LATER.contains(&text) => Err(TechniqueError::Later(text.to_owned())),
+        _ => Err(TechniqueError::Warp(text.to_owned())),
+    }
+}
+
+/// `zp4` is 4, other bases are `None`.
+fn partition_count(base: &str) -> Result<Option<u32>, TechniqueError> {
+    let Some(digits) = base.strip_prefix("zp") else {
+        return Ok(None);
+    };
+    match digits.parse() {
+        Ok(count @ 1..=SunShadows::MAX_PARTITIONS) => Ok(Some(count)),
+        _ => Err(TechniqueError::Count(base.to_owned())),
+    }
+}
+
+/// What `zpN` or a warp alone means without keys.
+pub(super) fn defaults(count: u32, warp: Warp) -> SunShadows {
+    SunShadows {
+        partitions: Partitions {
+            count,
+            ..Partitions::default()
+        },
+        warp,
+        map_size: default_map_size(count),
+        ..SunShadows::HIGH
+    }
+}
+
+/// Keys with their values, checked against [`KEYS`].
+struct Pairs<'a>(Vec<(&'static str, &'a str)>);
+
+impl<'a> Pairs<'a> {
+    fn parse(text: &'a str) -> Result<Self, TechniqueError> {
+        let mut pairs: Vec<(&'static str, &'a str)> = Vec::new();
+        for pair in text.split(',').map(str::trim).filter(|pair| !pair.is_empty()) {
+            let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
+            let Some((key, _)) = KEYS.into_iter().find(|(key, _)| *key == name) else {
+                return Err(TechniqueError::Key { name: name.to_owned() });
+            };
+            if pairs.iter().any(|(given, _)| *given == key) {
+                return Err(TechniqueError::Twice(key.to_owned()));
+            }
+            pairs.push((key, value));
+        }
+        Ok(Self(pairs))
+    }
+
+    /// The value of a key, if it was given, as `parse` reads it; `None` from `parse` is a wrong value.
+    fn read<T>(&self, name: &str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>, TechniqueError> {
+        let Some(&(key, value)) = self.0.iter().find(|(key, _)| *key == name) else {
+            return Ok(None);
+        };
+        let expected = KEYS
+            .into_iter()
+            .find(|(key, _)| *key == name)
+            .map_or("", |(_, values)| values);
+        parse(value).map(Some).ok_or_else(|| TechniqueError::Value {
+            key,
+            value: value.to_owned(),
+            expected: expected.to_owned(),
+        })
+    }
+}
+
+/// A finite number within a range.
+fn number(text: &str, range: impl std::ops::RangeBounds<f32>) -> Option<f32> {
+    text.parse::<f32>()
+        .ok()
+        .filter(|value| value.is_finite() && range.contains(value))
+}
+
+/// A length: above zero.
+fn metres(text: &str) -> Option<f32> {
+    number(text, f32::MIN_POSITIVE..)
+}
+
+/// `auto` or a length.
+fn auto_or_metres(text: &str) -> Option<Option<f32>> {
+    if text == "auto" {
+        Some(None)
+    } else {
+        metres(text).map(Some)
+    }
+}
+
+/// Ascending lengths between slashes.
+fn split_list(text: &str) -> Option<Vec<f32>> {
+    let splits: Vec<f32> = text.split('/').map(metres).collect::<Option<_>>()?;
+    splits.is_sorted_by(|a, b| a < b).then_some(splits)
+}
+
+fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, TechniqueError> {
+    let mut settings = defaults(count, warp);
+    if let Some(path) = pairs.read("path", |text| match text {
+        "full" => Some(ShadowPath::Full),
+        "dropin" => Some(ShadowPath::DropIn),
+        _ => None,
+    })? {
+        settings.path = path;
+    }
+    if settings.path == ShadowPath::DropIn && count > SunShadows::MAX_DROP_IN_PARTITIONS {
+        return Err(TechniqueError::Together(format!(
+            "`path=dropin` has at most {} z-partitions, not {count}",
+            SunShadows::MAX_DROP_IN_PARTITIONS
+        )));
+    }
+    if let Some(size) = pairs.read("size", |text| {
+        text.parse().ok().filter(|size| (16..=8192).contains(size))
+    })? {
+        let largest = MAX_ATLAS / cells_per_side(count);
+        if size > largest {
+            return Err(TechniqueError::Together(format!(
+                "`size={size}` is too large for {count} maps: at most {largest}"
+            )));
+        }
+        settings.map_size = size;
+    }
+    settings.partitions.scheme = scheme_of(count, settings.partitions.scheme, pairs)?;
+    settings.warp = warp_of(warp, pairs)?;
+    if let Some(selection) = pairs.read("select", |text| match text {
+        "depth" => Some(PartitionSelection::Depth),
+        "best" => Some(PartitionSelection::BestResolution),
+        _ => None,
+    })? {
+        settings.selection = selection;
+    }
+    if let Some(filter) = pairs.read("filter", |text| match text {
+        "hard" => Some(ShadowFilter::Hard),
+        "pcf2" => Some(ShadowFilter::Pcf2),
+        _ => None,
+    })? {
+        settings.filter = filter;
+    }
+    settings.bias = bias_of(settings.bias, pairs)?;
+    if let Some(near) = pairs.read("near", auto_or_metres)? {
+        settings.near = near;
+    }
+    if let Some(distance) = pairs.read("distance", auto_or_metres)? {
+        settings.distance = distance;
+    }
+    if let Some(fallback) = pairs.read("fallback", |text| match text {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
+    })? {
+        settings.fallback_map = fallback;
+    }
+    Ok(settings)
+}
+
+fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitScheme, TechniqueError> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Kind {
+        Log,
+        Practical,
+        Uniform,
+        Manual,
+    }
+    let kind = pairs.read("split", |text| match text {
+        "log" => Some(Kind::Log),
+        "practical" => Some(Kind::Practical),
+        "uniform" => Some(Kind::Uniform),
+        "manual" => Some(Kind::Manual),
+        _ => None,
+    })?;
+    let lambda = pairs.read("lambda", |text| number(text, 0.0..=1.0))?;
+    let splits = pairs.read("splits", split_list)?;
+    let kind = kind
+        .or(lambda.map(|_| Kind::Practical))
+        .or(splits.as_ref().map(|_| Kind::Manual));
+    if lambda.is_some() && kind != Some(Kind::Practical) {
+        return Err(TechniqueError::Together(
+            "`lambda=` belongs to `split=practical`".to_owned(),
+        ));
+    }
+    if splits.is_some() && kind != Some(Kind::Manual) {
+        return Err(TechniqueError::Together(
+            "`splits=` belongs to `split=manual`".to_owned(),
+        ));
+    }
+    match kind {
+        None => Ok(default),
+        Some(Kind::Log) => Ok(SplitScheme::Logarithmic),
+        Some(Kind::Uniform) => Ok(SplitScheme::Uniform),
+        Some(Kind::Practical) => Ok(SplitScheme::Practical {
+            lambda: lambda.unwrap_or(match default {
+                SplitScheme::Practical { lambda } => lambda,
+                _ => 0.5,
+            }),
+        }),
+        Some(Kind::Manual) => match splits {
+            Some(splits) if splits.len() + 1 == count as usize => Ok(SplitScheme::Manual(splits)),
+            _ => Err(TechniqueError::Together(format!(
+                "`split=manual` with {count} z-partitions takes `splits=` with {} distances in metres between slashes",
+                count - 1
+            ))),
+        },
+    }
+}
+
+fn warp_of(warp: Warp, pairs: &Pairs) -> Result<Warp, TechniqueError> {
+    match (pairs.read("eta", |text| number(text, -1.0..=1.0))?, warp) {
+        (None, warp) => Ok(warp),
+        (Some(eta), Warp::Free { .. }) => Ok(Warp::Free { eta }),
+        (Some(_), _) => Err(TechniqueError::Together("`eta=` belongs to the warp `free`".to_owned())),
+    }
+}
+
+fn bias_of(default: ShadowBias, pairs: &Pairs) -> Result<ShadowBias, TechniqueError> {
+    let not_negative = |text: &str| number(text, 0.0..);
+    let metres = pairs.read("bias_m", not_negative)?;
+    let scale = pairs.read("bias_scale", not_negative)?;
+    let constant = ShadowBias::Constant {
+        metres: metres.unwrap_or(CONSTANT_BIAS),
+    };
+    let footprint = ShadowBias::Footprint {
+        scale: scale.unwrap_or(1.0),
+    };
+    let bias = pairs.read("bias", |text| match text {
+        "none" => Some(ShadowBias::None),
+        "constant" => Some(constant),
+        "footprint" => Some(footprint),
+        _ => None,
+    })?;
+    let bias = bias
+        .or(metres.map(|_| constant))
+        .or(scale.map(|_| footprint))
+        .unwrap_or(default);
+    if metres.is_some() && bias != constant {
+        return Err(TechniqueError::Together(
+            "`bias_m=` belongs to `bias=constant`".to_owned(),
+        ));
+    }
+    if scale.is_some() && bias != footprint {
+        return Err(TechniqueError::Together(
+            "`bias_scale=` belongs to `bias=footprint`".to_owned(),
+        ));
+    }
+    Ok(bias)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn settings(text: &str) -> SunShadows {
+        match text.parse() {
+            Ok(Technique::Umbrage(settings)) => settings,
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+
+    fn error(text: &str) -> String {
+        text.parse::<Technique>().expect_err(text).to_string()
+    }
+
+    #[test]
+    fn the_default_text_is_the_default_preset() {
+        assert_eq!(settings("zp4+lispsm"), SunShadows::HIGH);
+        assert_eq!(Technique::default().to_string(), "zp4+lispsm");
+        assert_eq!(settings("zp4+lispsm:size=4096"), SunShadows::ULTRA);
+    }
+
+    #[test]
+    fn a_warp_alone_means_one_map_of_the_whole_budget() {
+        for text in ["lispsm", "zp1+lispsm"] {
+            let one = settings(text);
+            assert_eq!(
+                (one.partitions.count, one.map_size, one.warp),
+                (1, 4096, Warp::Lispsm),
+                "{text}"
+            );
+        }
+        assert_eq!(settings("zp1"), settings("uniform"));
+        assert_eq!(settings("zp4").warp, Warp::Uniform);
+    }
+
+    #[test]
+    fn keys_reach_their_settings() {
+        let all = settings(
+            "zp3+free:path=dropin,size=512,splits=10/30.5,select=depth,filter=hard,bias_m=0.2,near=1.5,distance=300,eta=-0.25,fallback=off",
+        );
+        let expected = SunShadows {
+            path: ShadowPath::DropIn,
+            partitions: Partitions {
+                count: 3,
+                scheme: SplitScheme::Manual(vec![10.0, 30.5]),
+            },
+            warp: Warp::Free { eta: -0.25 },
+            map_size: 512,
+            selection: PartitionSelection::Depth,
+            filter: ShadowFilter::Hard,
+            bias: ShadowBias::Constant { metres: 0.2 },
+            distance: Some(300.0),
+            near: Some(1.5),
+            fallback_map: false,
+        };
+        assert_eq!(all, expected);
+        assert_eq!(settings("zp4:split=log").partitions.scheme, SplitScheme::Logarithmic);
+        assert_eq!(
+            settings("zp4:lambda=0.3").partitions.scheme,
+            SplitScheme::Practical { lambda: 0.3 }
+        );
+        assert_eq!(settings("zp4:bias=none").bias, ShadowBias::None);
+        assert_eq!(settings("zp4:near=auto,distance=auto"), settings("zp4"));
+    }
+
+    #[test]
+    fn errors_say_what_is_wrong_and_what_there_is() {
+        for (text, parts) in [
+            (
+                "tiled",
+                &["`tiled`", "not available in this version", "zp16", "lispsm"][..],
+            ),
+            ("fp4", &["`fp4`", "not available"]),
+            ("zp4+tsm", &["`tsm`", "not available"]),
+            ("blur", &["no technique `blur`", "uniform"]),
+            ("zp4+blur", &["no warp `blur`", "psm"]),
+            ("zp0", &["1 to 16"]),
+            ("zp17", &["1 to 16"]),
+            ("zp", &["1 to 16"]),
+            ("", &["no technique"]),
+            ("bevy+lispsm", &["`bevy` takes no warp"]),
+            ("bevy:size=512", &["`bevy` takes no keys"]),
+            ("uniform+psm", &["`uniform` takes no warp"]),
+            ("zp4:colour=red", &["no key `colour`", "path, size, split"]),
+            ("zp4:size=0", &["`size=0`", "16..=8192"]),
+            ("zp16:size=8192", &["16 maps", "4096"]),
+            ("zp4:size", &["`size=`"]),
+            ("zp4:size=256,size=512", &["twice"]),
+            ("zp8:path=dropin", &["at most 4"]),
+            ("zp4:lambda=nan", &["`lambda=nan`", "0..=1"]),
+            ("zp4:split=log,lambda=0.5", &["split=practical"]),
+            ("zp4:split=manual", &["`splits=` with 3"]),
+            ("zp4:splits=10/5/20", &["ascending"]),
+            ("zp4+lispsm:eta=1", &["free"]),
+            ("zp4:bias=none,bias_m=1", &["bias=constant"]),
+            ("zp4:bias=constant,bias_scale=1", &["bias=footprint"]),
+            ("zp4:near=-1", &["auto|metres"]),
+        ] {
+            let message = error(text);
+            for part in parts {
+                assert!(message.contains(part), "{text}: {message:?} lacks {part:?}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(text in "[a-z0-9+:=,./-]{0,40}") {
+            let _ = text.parse::<Technique>();
+        }
+    }
+}
