@@ -1,24 +1,22 @@
 //! A Bevy app without window and event loop, driven frame by frame: for pictures and for tests.
 //!
 //! ```no_run
-//! use umbrage::cli::headless;
+//! use umbrage::{cli::headless, level::find::asset_root};
 //!
-//! let mut app = headless::app(std::path::Path::new("assets"))?;
+//! let mut app = headless::app(&asset_root(None)?)?;
 //! // Add plugins and spawn things here.
 //! headless::finish(&mut app);
 //! let time = headless::frame(&mut app);
-//! # Ok::<(), headless::HeadlessError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use std::{
-    path::Path,
     sync::atomic::{AtomicBool, Ordering},
     time::{Duration, Instant},
 };
 
 use bevy::{
     app::{PluginsState, TerminalCtrlCHandlerPlugin},
-    asset::UnapprovedPathMode,
     log::{Level, LogPlugin},
     prelude::*,
     render::{
@@ -36,7 +34,10 @@ use bevy::{
 };
 use thiserror::Error;
 
-use crate::render::capture;
+use crate::{
+    level::{find::AssetRoot, loader},
+    render::capture,
+};
 
 /// Simulated time per frame: headless runs are repeatable, whatever the machine takes.
 pub const TIME_STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
@@ -69,18 +70,18 @@ pub fn has_adapter() -> bool {
 }
 
 /// An app with Bevy's default plugins, without window, event loop and pipelined rendering, with synchronous pipeline
-/// compilation, fixed time steps and warnings on stderr. `assets` is the folder of assets; absolute paths of files
-/// elsewhere can be loaded, too.
+/// compilation, fixed time steps and warnings on stderr. Levels and assets come from `root`, glTF files from anywhere.
 ///
 /// Add plugins, then call [`finish`], then [`frame`] as often as needed.
 ///
 /// # Errors
 /// There is no graphics adapter.
-pub fn app(assets: &Path) -> Result<App, HeadlessError> {
+pub fn app(root: &AssetRoot) -> Result<App, HeadlessError> {
     if !has_adapter() {
         return Err(HeadlessError::NoAdapter);
     }
     let mut app = App::new();
+    loader::register_sources(&mut app, root);
     let plugins = DefaultPlugins
         .set(WindowPlugin {
             primary_window: None,
@@ -95,11 +96,7 @@ pub fn app(assets: &Path) -> Result<App, HeadlessError> {
             }),
             ..default()
         })
-        .set(AssetPlugin {
-            file_path: assets.to_string_lossy().into_owned(),
-            unapproved_path_mode: UnapprovedPathMode::Allow,
-            ..default()
-        })
+        .set(loader::asset_plugin(root))
         .set(LogPlugin {
             level: Level::WARN,
             // Software rendering is expected here and named in the statistics.

@@ -62,7 +62,10 @@ pub const PAINTS: [Rgb; 8] = [
 impl Building {
     /// Extent along x and z in metres.
     pub fn plan(&self) -> (f32, f32) {
-        (f32::from(self.width_dm) * 0.1, f32::from(self.depth_dm) * 0.1)
+        (
+            f32::from(self.width_dm) * 0.1,
+            f32::from(self.depth_dm) * 0.1,
+        )
     }
 
     /// Height of the walls in metres; parapets and roofs come on top.
@@ -81,7 +84,11 @@ pub fn build(building: &Building) -> MeshData {
     // The outline of the plan is that of the piers; the core stands back.
     let relief = 0.35;
     let core = Vec3::new(width - 2.0 * relief, height + BASE, depth - 2.0 * relief);
-    mesh.push_box(Vec3::Y * (0.5 * (height - BASE)), core, [0.045, 0.06, 0.075]);
+    mesh.push_box(
+        Vec3::Y * (0.5 * (height - BASE)),
+        core,
+        [0.045, 0.06, 0.075],
+    );
     if !matches!(building.style, Style::Piers) {
         bands(&mut mesh, building, wall);
     }
@@ -89,7 +96,8 @@ pub fn build(building: &Building) -> MeshData {
         piers(&mut mesh, building, wall.map(|c| c * 0.93));
     }
     if matches!(building.style, Style::House) {
-        let tiles = [[0.25, 0.09, 0.05], [0.12, 0.11, 0.11], [0.20, 0.12, 0.08]][rng.random_range(0..3)];
+        let tiles =
+            [[0.25, 0.09, 0.05], [0.12, 0.11, 0.11], [0.20, 0.12, 0.08]][rng.random_range(0..3)];
         house_roof(&mut mesh, building, tiles, wall);
     } else {
         parapet(&mut mesh, building, wall);
@@ -107,11 +115,19 @@ fn bands(mesh: &mut MeshData, building: &Building, wall: Rgb) {
     let out = 0.15;
     let plan = |height: f32| Vec3::new(width - 2.0 * out, height, depth - 2.0 * out);
     mesh.push_box(Vec3::Y * 0.35, plan(0.9), wall.map(|c| c * 0.7));
-    let glass = if matches!(building.style, Style::House | Style::Balconies) { 1.5 } else { 1.9 };
+    let glass = if matches!(building.style, Style::House | Style::Balconies) {
+        1.5
+    } else {
+        1.9
+    };
     for floor in 1..=building.floors {
         let top_of_glass = 0.8 + f32::from(floor - 1) * FLOOR + glass;
         let band = FLOOR - glass;
-        mesh.push_box(Vec3::Y * (top_of_glass + 0.5 * band), plan(band - 0.02), wall);
+        mesh.push_box(
+            Vec3::Y * (top_of_glass + 0.5 * band),
+            plan(band - 0.02),
+            wall,
+        );
     }
 }
 
@@ -128,7 +144,11 @@ fn piers(mesh: &mut MeshData, building: &Building, wall: Rgb) {
     // Corner posts, then whole bays between them along each side.
     let corner = wide.max(thick);
     for (x, z) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
-        let middle = Vec3::new(x * 0.5 * (width - corner), 0.5 * (height - BASE), z * 0.5 * (depth - corner));
+        let middle = Vec3::new(
+            x * 0.5 * (width - corner),
+            0.5 * (height - BASE),
+            z * 0.5 * (depth - corner),
+        );
         mesh.push_box(middle, Vec3::new(corner, height + BASE, corner), wall);
     }
     for (along, across, axis) in [(width, depth, Vec3::X), (depth, width, Vec3::Z)] {
@@ -137,7 +157,9 @@ fn piers(mesh: &mut MeshData, building: &Building, wall: Rgb) {
         for i in 1..bays as u32 {
             let at = (i as f32 / bays - 0.5) * (along - corner);
             for side in [-1.0, 1.0] {
-                let middle = axis * at + other * (side * 0.5 * (across - thick - 0.06)) + Vec3::Y * (0.5 * (height - BASE) - 0.02);
+                let middle = axis * at
+                    + other * (side * 0.5 * (across - thick - 0.06))
+                    + Vec3::Y * (0.5 * (height - BASE) - 0.02);
                 let size = axis * wide + other * thick + Vec3::Y * (height + BASE - 0.04);
                 mesh.push_box(middle, size, wall);
             }
@@ -148,7 +170,11 @@ fn piers(mesh: &mut MeshData, building: &Building, wall: Rgb) {
 /// Four low walls around a flat roof.
 fn parapet(mesh: &mut MeshData, building: &Building, wall: Rgb) {
     let (width, depth) = building.plan();
-    let (low, high, thick) = (building.wall_height() - 0.3, building.wall_height() + 0.9, 0.4);
+    let (low, high, thick) = (
+        building.wall_height() - 0.3,
+        building.wall_height() + 0.9,
+        0.4,
+    );
     let (y, size_y) = (0.5 * (low + high), high - low);
     let (out_x, out_z) = (0.5 * (width + 0.1), 0.5 * (depth + 0.1));
     for side in [-1.0, 1.0] {
@@ -156,7 +182,11 @@ fn parapet(mesh: &mut MeshData, building: &Building, wall: Rgb) {
         mesh.push_box(middle, Vec3::new(2.0 * out_x, size_y, thick), wall);
         // Butted against the long ones: they reach a little into them and are a little lower.
         let middle = Vec3::new(side * (out_x - 0.5 * thick - 0.01), y - 0.01, 0.0);
-        mesh.push_box(middle, Vec3::new(thick, size_y - 0.04, 2.0 * (out_z - thick) + 0.2), wall);
+        mesh.push_box(
+            middle,
+            Vec3::new(thick, size_y - 0.04, 2.0 * (out_z - thick) + 0.2),
+            wall,
+        );
     }
 }
 
@@ -167,10 +197,18 @@ fn roof_things(mesh: &mut MeshData, building: &Building, rng: &mut ChaCha8Rng) {
     let grey = [0.3, 0.3, 0.31];
     let mut place = |reach: f32| {
         let (x, z) = (0.5 * width - 1.2 - reach, 0.5 * depth - 1.2 - reach);
-        Vec3::new(rng.random_range(-1.0..1.0) * x.max(0.0), roof, rng.random_range(-1.0..1.0) * z.max(0.0))
+        Vec3::new(
+            rng.random_range(-1.0..1.0) * x.max(0.0),
+            roof,
+            rng.random_range(-1.0..1.0) * z.max(0.0),
+        )
     };
     let lift = place(2.0);
-    mesh.push_box(lift + Vec3::Y * 1.3, Vec3::new(3.6, 3.0, 3.2), [0.36, 0.35, 0.33]);
+    mesh.push_box(
+        lift + Vec3::Y * 1.3,
+        Vec3::new(3.6, 3.0, 3.2),
+        [0.36, 0.35, 0.33],
+    );
     for size in [1.4, 1.1, 1.7] {
         let at = place(0.5 * size);
         if (at - lift).abs().max_element() > 3.2 {
@@ -186,7 +224,12 @@ fn roof_things(mesh: &mut MeshData, building: &Building, rng: &mut ChaCha8Rng) {
         }
     }
     if building.floors > 14 {
-        mesh.push_round((lift + Vec3::Y * 2.0, 0.12), (lift + Vec3::Y * 11.0, 0.03), 6, (grey, grey));
+        mesh.push_round(
+            (lift + Vec3::Y * 2.0, 0.12),
+            (lift + Vec3::Y * 11.0, 0.03),
+            6,
+            (grey, grey),
+        );
     }
 }
 
@@ -197,10 +240,23 @@ fn house_roof(mesh: &mut MeshData, building: &Building, tiles: Rgb, wall: Rgb) {
     let foot = building.wall_height() - 0.05;
     let rise = 0.38 * short;
     let mut roof = MeshData::default();
-    roof.push_gable(Vec3::Y * foot, Vec3::new(long + 0.8, rise, short + 1.0), tiles, wall);
+    roof.push_gable(
+        Vec3::Y * foot,
+        Vec3::new(long + 0.8, rise, short + 1.0),
+        tiles,
+        wall,
+    );
     let brick = [0.25, 0.1, 0.07];
-    roof.push_box(Vec3::new(0.28 * long, foot + 0.8 * rise, 0.12 * short), Vec3::new(0.7, rise + 1.0, 0.7), brick);
-    let turn = if width >= depth { 0.0 } else { std::f32::consts::FRAC_PI_2 };
+    roof.push_box(
+        Vec3::new(0.28 * long, foot + 0.8 * rise, 0.12 * short),
+        Vec3::new(0.7, rise + 1.0, 0.7),
+        brick,
+    );
+    let turn = if width >= depth {
+        0.0
+    } else {
+        std::f32::consts::FRAC_PI_2
+    };
     mesh.append(&roof, bevy_math::Affine3A::from_rotation_y(turn));
 }
 
@@ -217,14 +273,36 @@ fn balconies(mesh: &mut MeshData, building: &Building) {
                 let y = 0.5 + f32::from(floor) * FLOOR;
                 let edge = face + side * (deep + 0.2);
                 let slab = Vec3::new(wide, 0.16, deep + 0.3);
-                mesh.push_box(Vec3::new(x, y, face + side * 0.5 * (deep + 0.3)), slab, [0.4, 0.39, 0.37]);
+                mesh.push_box(
+                    Vec3::new(x, y, face + side * 0.5 * (deep + 0.3)),
+                    slab,
+                    [0.4, 0.39, 0.37],
+                );
                 let steel = [0.08, 0.085, 0.09];
                 let (left, right) = (x - 0.5 * wide + 0.06, x + 0.5 * wide - 0.06);
                 let (near, far) = (face + side * 0.35, edge);
                 let y = y + 0.08;
-                push_railing(mesh, Vec3::new(left, y, near), Vec3::new(left, y, far), 1.0, steel);
-                push_railing(mesh, Vec3::new(left, y, far), Vec3::new(right, y, far), 1.0, steel);
-                push_railing(mesh, Vec3::new(right, y, far), Vec3::new(right, y, near), 1.0, steel);
+                push_railing(
+                    mesh,
+                    Vec3::new(left, y, near),
+                    Vec3::new(left, y, far),
+                    1.0,
+                    steel,
+                );
+                push_railing(
+                    mesh,
+                    Vec3::new(left, y, far),
+                    Vec3::new(right, y, far),
+                    1.0,
+                    steel,
+                );
+                push_railing(
+                    mesh,
+                    Vec3::new(right, y, far),
+                    Vec3::new(right, y, near),
+                    1.0,
+                    steel,
+                );
             }
         }
     }
@@ -237,7 +315,13 @@ mod tests {
 
     #[test]
     fn every_style_is_solid_and_has_its_size() {
-        for style in [Style::Grid, Style::Strips, Style::Piers, Style::Balconies, Style::House] {
+        for style in [
+            Style::Grid,
+            Style::Strips,
+            Style::Piers,
+            Style::Balconies,
+            Style::House,
+        ] {
             for (width_dm, depth_dm, floors) in [(140, 120, 5), (200, 260, 18), (90, 101, 2)] {
                 let building = Building {
                     width_dm,
@@ -251,7 +335,10 @@ mod tests {
                 let name = format!("{building:?}");
                 assert_solid(&mesh, &name);
                 let (min, max) = mesh.bounds().unwrap();
-                assert!(min.y < 0.0 && max.y > building.wall_height(), "{name}: {min} {max}");
+                assert!(
+                    min.y < 0.0 && max.y > building.wall_height(),
+                    "{name}: {min} {max}"
+                );
                 // Eaves and balconies reach over the plan, walls do not.
                 let over = (max.x - 0.5 * building.plan().0).max(max.z - 0.5 * building.plan().1);
                 assert!(over < 1.6, "{name}: {over}");
@@ -261,7 +348,13 @@ mod tests {
 
     #[test]
     fn no_two_faces_lie_on_each_other() {
-        for style in [Style::Grid, Style::Strips, Style::Piers, Style::Balconies, Style::House] {
+        for style in [
+            Style::Grid,
+            Style::Strips,
+            Style::Piers,
+            Style::Balconies,
+            Style::House,
+        ] {
             let building = Building {
                 width_dm: 146,
                 depth_dm: 121,
@@ -272,7 +365,12 @@ mod tests {
             };
             let mesh = build(&building);
             let pairs = overlapping_faces(&mesh);
-            assert!(pairs.is_empty(), "{style:?}: {} pairs, such as {:?}", pairs.len(), &pairs[..pairs.len().min(4)]);
+            assert!(
+                pairs.is_empty(),
+                "{style:?}: {} pairs, such as {:?}",
+                pairs.len(),
+                &pairs[..pairs.len().min(4)]
+            );
         }
     }
 
@@ -280,11 +378,17 @@ mod tests {
     /// below ground.
     fn overlapping_faces(mesh: &MeshData) -> Vec<[Vec3; 4]> {
         let mut faces: Vec<(usize, f32, Vec3, Vec3)> = Vec::new();
-        for quad in mesh.indices.chunks(6).filter(|quad| quad.len() == 6 && quad[0] == quad[3] && quad[2] == quad[4]) {
+        for quad in mesh
+            .indices
+            .chunks(6)
+            .filter(|quad| quad.len() == 6 && quad[0] == quad[3] && quad[2] == quad[4])
+        {
             let corners = [0, 1, 2, 5].map(|k| mesh.positions[quad[k] as usize]);
             let normal = mesh.normals[quad[0] as usize];
             let axis = (0..3).find(|k| normal[*k].abs() > 0.9999);
-            let (min, max) = corners.iter().fold((corners[0], corners[0]), |(a, b), p| (a.min(*p), b.max(*p)));
+            let (min, max) = corners
+                .iter()
+                .fold((corners[0], corners[0]), |(a, b), p| (a.min(*p), b.max(*p)));
             let below = max.y < 0.0;
             if let (Some(axis), false) = (axis, below) {
                 let side = if normal[axis] > 0.0 { axis } else { axis + 3 };

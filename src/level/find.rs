@@ -22,7 +22,9 @@ pub struct AssetRoot(PathBuf);
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FindError {
     /// A folder that was asked for is of no use.
-    #[error("{origin} names {path}, which has no folder levels/ in it: name the folder that contains levels/ and assets/")]
+    #[error(
+        "{origin} names {path}, which has no folder levels/ in it: name the folder that contains levels/ and assets/"
+    )]
     NoLevels {
         /// `--assets` or the variable.
         origin: &'static str,
@@ -48,8 +50,14 @@ pub enum FindError {
 /// # Errors
 /// A folder that was asked for has no `levels/`, or none was found anywhere.
 pub fn asset_root(cli: Option<&Path>) -> Result<AssetRoot, FindError> {
-    let beside = env::current_exe().ok().and_then(|exe| exe.parent().map(Path::to_path_buf));
-    let places = [env::current_dir().ok(), beside, Some(env!("CARGO_MANIFEST_DIR").into())];
+    let beside = env::current_exe()
+        .ok()
+        .and_then(|exe| exe.parent().map(Path::to_path_buf));
+    let places = [
+        env::current_dir().ok(),
+        beside,
+        Some(env!("CARGO_MANIFEST_DIR").into()),
+    ];
     asset_root_among(cli, env::var_os(VARIABLE), places.into_iter().flatten())
 }
 
@@ -59,7 +67,9 @@ fn asset_root_among(
     variable: Option<OsString>,
     places: impl IntoIterator<Item = PathBuf>,
 ) -> Result<AssetRoot, FindError> {
-    let variable = variable.filter(|value| !value.is_empty()).map(PathBuf::from);
+    let variable = variable
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from);
     for (origin, path) in [("--assets", cli), (VARIABLE, variable.as_deref())] {
         if let Some(path) = path {
             return root_at(path).unwrap_or_else(|| {
@@ -70,7 +80,10 @@ fn asset_root_among(
             });
         }
     }
-    places.into_iter().find_map(|place| root_at(&place)).unwrap_or(Err(FindError::Nowhere))
+    places
+        .into_iter()
+        .find_map(|place| root_at(&place))
+        .unwrap_or(Err(FindError::Nowhere))
 }
 
 /// The root in this folder, if it has levels.
@@ -106,7 +119,9 @@ impl AssetRoot {
 
 /// Adds the names of the levels in a folder and below it.
 fn collect(folder: &Path, prefix: &str, names: &mut Vec<String>) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
+    let Ok(entries) = fs::read_dir(folder) else {
+        return;
+    };
     for entry in entries.flatten() {
         let file = entry.file_name();
         let Some(file) = file.to_str() else { continue };
@@ -133,14 +148,22 @@ mod tests {
 
     #[test]
     fn the_order_is_cli_variable_places() {
-        let (a, b, c) = (folder_with_levels(), folder_with_levels(), folder_with_levels());
+        let (a, b, c) = (
+            folder_with_levels(),
+            folder_with_levels(),
+            folder_with_levels(),
+        );
         let none = tempfile::tempdir().unwrap();
         let places = || vec![none.path().to_path_buf(), c.path().to_path_buf()];
         let variable = || Some(b.path().as_os_str().to_owned());
         let found = |cli, variable| asset_root_among(cli, variable, places()).unwrap().0;
         assert_eq!(found(Some(a.path()), variable()), a.path());
         assert_eq!(found(None, variable()), b.path());
-        assert_eq!(found(None, Some("".into())), c.path(), "an empty variable counts as unset");
+        assert_eq!(
+            found(None, Some("".into())),
+            c.path(),
+            "an empty variable counts as unset"
+        );
         assert_eq!(found(None, None), c.path());
     }
 
@@ -149,10 +172,32 @@ mod tests {
         let (none, some) = (tempfile::tempdir().unwrap(), folder_with_levels());
         let places = [some.path().to_path_buf()];
         let error = asset_root_among(Some(none.path()), None, places.clone()).unwrap_err();
-        assert!(matches!(error, FindError::NoLevels { origin: "--assets", .. }), "{error}");
-        let error = asset_root_among(None, Some(none.path().as_os_str().to_owned()), places).unwrap_err();
-        assert!(matches!(error, FindError::NoLevels { origin: VARIABLE, .. }), "{error}");
-        assert_eq!(asset_root_among(None, None, [none.path().to_path_buf()]), Err(FindError::Nowhere));
+        assert!(
+            matches!(
+                error,
+                FindError::NoLevels {
+                    origin: "--assets",
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        let error =
+            asset_root_among(None, Some(none.path().as_os_str().to_owned()), places).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                FindError::NoLevels {
+                    origin: VARIABLE,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        assert_eq!(
+            asset_root_among(None, None, [none.path().to_path_buf()]),
+            Err(FindError::Nowhere)
+        );
     }
 
     #[test]

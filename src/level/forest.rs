@@ -18,10 +18,25 @@ pub const HUT_FREE: f32 = 7.0;
 /// Generates a forest.
 pub fn generate(level: &Level, forest: &Forest) -> Scenery {
     let terrain = Terrain::new(&level.terrain, level.seed);
-    let statics = terrain.tiles().into_iter().map(|mesh| Static { name: "terrain", mesh }).collect();
-    let away_from_huts = |p: Vec2| forest.huts.iter().all(|hut| p.distance(hut.position) > HUT_FREE);
+    let statics = terrain
+        .tiles()
+        .into_iter()
+        .map(|mesh| Static {
+            name: "terrain",
+            mesh,
+        })
+        .collect();
+    let away_from_huts = |p: Vec2| {
+        forest
+            .huts
+            .iter()
+            .all(|hut| p.distance(hut.position) > HUT_FREE)
+    };
     let thrown = scatter::scatter(&terrain, &level.scatter, away_from_huts, level.seed);
-    let mut placements: Vec<Placement> = thrown.iter().map(|thrown| plant(&terrain, thrown)).collect();
+    let mut placements: Vec<Placement> = thrown
+        .iter()
+        .map(|thrown| plant(&terrain, thrown))
+        .collect();
     placements.extend(forest.huts.iter().map(|site| hut(&terrain, site)));
     for (track, shape) in terrain.tracks().iter().zip(&level.terrain.tracks) {
         if let Some(fence) = shape.fence {
@@ -56,8 +71,17 @@ pub fn plant(terrain: &Terrain, thrown: &Thrown) -> Placement {
 
 /// A hut on the highest ground under it.
 fn hut(terrain: &Terrain, site: &HutSite) -> Placement {
-    let around = [(0.0, 0.0), (-2.5, -2.5), (2.5, -2.5), (-2.5, 2.5), (2.5, 2.5)];
-    let height = around.iter().map(|(x, z)| terrain.height(site.position + Vec2::new(*x, *z))).fold(f32::MIN, f32::max);
+    let around = [
+        (0.0, 0.0),
+        (-2.5, -2.5),
+        (2.5, -2.5),
+        (-2.5, 2.5),
+        (2.5, 2.5),
+    ];
+    let height = around
+        .iter()
+        .map(|(x, z)| terrain.height(site.position + Vec2::new(*x, *z)))
+        .fold(f32::MIN, f32::max);
     let position = Vec3::new(site.position.x, height, site.position.y);
     Placement::upright(Model::Hut, position, site.yaw_deg.to_radians())
 }
@@ -66,7 +90,10 @@ fn hut(terrain: &Terrain, site: &HutSite) -> Placement {
 fn fence_along(terrain: &Terrain, track: &Track, fence: &FenceShape) -> Vec<Placement> {
     let line: Vec<Vec2> = (0..track.points.len())
         .map(|i| {
-            let (before, after) = (track.points[i.saturating_sub(1)], track.points[(i + 1).min(track.points.len() - 1)]);
+            let (before, after) = (
+                track.points[i.saturating_sub(1)],
+                track.points[(i + 1).min(track.points.len() - 1)],
+            );
             // Left of the walking direction, with z growing towards the viewer.
             let left = -(after - before).normalize().perp();
             track.points[i] + left * fence.offset
@@ -125,7 +152,12 @@ mod tests {
 
     #[test]
     fn resampled_points_are_equally_far_apart() {
-        let line = [Vec2::ZERO, Vec2::new(3.0, 0.0), Vec2::new(10.0, 0.0), Vec2::new(10.5, 0.0)];
+        let line = [
+            Vec2::ZERO,
+            Vec2::new(3.0, 0.0),
+            Vec2::new(10.0, 0.0),
+            Vec2::new(10.5, 0.0),
+        ];
         let points = resample(&line, 2.0);
         assert_eq!(points.len(), 6);
         for (i, p) in points.iter().enumerate() {

@@ -228,7 +228,10 @@ pub enum Species {
 impl Species {
     /// True for the species that count as trees and keep clearings free.
     pub fn is_tree(self) -> bool {
-        matches!(self, Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree)
+        matches!(
+            self,
+            Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree
+        )
     }
 }
 
@@ -373,7 +376,13 @@ impl CameraPath {
             (pick(to) - pick(from)) / (to.time - from.time) * span
         };
         let curve = |pick: fn(PathKey) -> Vec3| {
-            hermite(pick(a), tangent(before, b, pick), pick(b), tangent(a, beyond, pick), t)
+            hermite(
+                pick(a),
+                tangent(before, b, pick),
+                pick(b),
+                tangent(a, beyond, pick),
+                t,
+            )
         };
         Some((curve(|key| key.position), curve(|key| key.target)))
     }
@@ -382,7 +391,10 @@ impl CameraPath {
 /// The cubic from `a` to `b` with these tangents, at `t` in 0..=1.
 fn hermite(a: Vec3, tangent_a: Vec3, b: Vec3, tangent_b: Vec3, t: f32) -> Vec3 {
     let (t2, t3) = (t * t, t * t * t);
-    a * (2.0 * t3 - 3.0 * t2 + 1.0) + tangent_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + tangent_b * (t3 - t2)
+    a * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + tangent_a * (t3 - 2.0 * t2 + t)
+        + b * (3.0 * t2 - 2.0 * t3)
+        + tangent_b * (t3 - t2)
 }
 
 impl Level {
@@ -440,7 +452,10 @@ mod tests {
         for step in 0..=30 {
             let seconds = step as f32 * 0.1;
             let (position, _) = path().sample(seconds).unwrap();
-            assert!((position.x - 2.0 * seconds).abs() < 1e-4, "{seconds} s: {position}");
+            assert!(
+                (position.x - 2.0 * seconds).abs() < 1e-4,
+                "{seconds} s: {position}"
+            );
         }
     }
 

@@ -96,7 +96,11 @@ impl Blocker {
                 let offset = local - nearest;
                 if offset != Vec2::ZERO {
                     let depth = radius - offset.length();
-                    return if depth > 0.0 { turn * (offset.normalize() * depth) } else { Vec2::ZERO };
+                    return if depth > 0.0 {
+                        turn * (offset.normalize() * depth)
+                    } else {
+                        Vec2::ZERO
+                    };
                 }
                 let room = half + radius - local.abs();
                 let out = if room.x < room.y {
@@ -120,7 +124,10 @@ impl Blocker {
 
 /// Grid cells that a rectangle touches.
 fn cells(min: Vec2, max: Vec2) -> impl Iterator<Item = [i32; 2]> {
-    let (low, high) = ((min / GRID).floor().as_ivec2(), (max / GRID).floor().as_ivec2());
+    let (low, high) = (
+        (min / GRID).floor().as_ivec2(),
+        (max / GRID).floor().as_ivec2(),
+    );
     (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| [x, y]))
 }
 
@@ -142,7 +149,11 @@ impl Ground {
                 ground.blockers_at.entry(cell).or_default().push(i as u32);
             }
         }
-        Self { steps, blockers, ..ground }
+        Self {
+            steps,
+            blockers,
+            ..ground
+        }
     }
 
     /// A plane without obstacles.
@@ -166,8 +177,14 @@ impl Ground {
             Surface::Hills(terrain) => terrain.height(p),
         };
         let cell = (p / GRID).floor().as_ivec2().to_array();
-        let near = self.steps_at.get(&cell).into_iter().flatten().map(|i| self.steps[*i as usize]);
-        near.filter(|step| p.cmpge(step.min).all() && p.cmple(step.max).all()).fold(ground, |height, step| height.max(step.top))
+        let near = self
+            .steps_at
+            .get(&cell)
+            .into_iter()
+            .flatten()
+            .map(|i| self.steps[*i as usize]);
+        near.filter(|step| p.cmpge(step.min).all() && p.cmple(step.max).all())
+            .fold(ground, |height, step| height.max(step.top))
     }
 
     /// Unit normal of the ground at (x, z).
@@ -230,7 +247,11 @@ mod tests {
         assert_eq!(ground.push_out(free, 0.3, 1.8), free);
         let above = Vec3::new(20.2, 3.5, 5.0);
         assert_eq!(ground.push_out(above, 0.3, 1.8), above);
-        assert!(ground.push_out(Vec3::new(20.0, 0.0, 5.0), 0.3, 1.8).is_finite());
+        assert!(
+            ground
+                .push_out(Vec3::new(20.0, 0.0, 5.0), 0.3, 1.8)
+                .is_finite()
+        );
     }
 
     #[test]
@@ -247,7 +268,11 @@ mod tests {
             (Vec3::new(2.0, 0.0, 1.4), Vec3::new(2.0, 0.0, 1.4)),
         ] {
             let out = ground.push_out(rotation * local, 0.3, 1.8);
-            assert!((out - rotation * expected).length() < 1e-4, "{local} to {}", rotation.inverse() * out);
+            assert!(
+                (out - rotation * expected).length() < 1e-4,
+                "{local} to {}",
+                rotation.inverse() * out
+            );
         }
     }
 

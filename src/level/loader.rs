@@ -1,7 +1,10 @@
 //! `.level.ron` files as Bevy assets, and where Bevy looks for them.
 
 use bevy::{
-    asset::{AssetLoader, AssetMetaCheck, LoadContext, UnapprovedPathMode, io::AssetSourceBuilder, io::Reader},
+    asset::{
+        AssetLoader, AssetMetaCheck, LoadContext, UnapprovedPathMode, io::AssetSourceBuilder,
+        io::Reader,
+    },
     prelude::*,
 };
 
@@ -52,8 +55,17 @@ impl AssetLoader for LevelLoader {
     ) -> Result<LevelAsset, LevelLoadError> {
         let file = || load_context.path().path().display().to_string();
         let mut bytes = Vec::new();
-        reader.read_to_end(&mut bytes).await.map_err(|source| LevelLoadError::Read { file: file(), source })?;
-        let level = parse::parse(&bytes).map_err(|source| LevelLoadError::Level { file: file(), source })?;
+        reader
+            .read_to_end(&mut bytes)
+            .await
+            .map_err(|source| LevelLoadError::Read {
+                file: file(),
+                source,
+            })?;
+        let level = parse::parse(&bytes).map_err(|source| LevelLoadError::Level {
+            file: file(),
+            source,
+        })?;
         Ok(LevelAsset(level))
     }
 
@@ -65,7 +77,10 @@ impl AssetLoader for LevelLoader {
 /// Tells Bevy where level files are. Call it before [`AssetPlugin`] (part of `DefaultPlugins`) is added.
 pub fn register_sources(app: &mut App, root: &AssetRoot) {
     let levels = root.levels();
-    app.register_asset_source(SOURCE, AssetSourceBuilder::platform_default(&levels.to_string_lossy(), None));
+    app.register_asset_source(
+        SOURCE,
+        AssetSourceBuilder::platform_default(&levels.to_string_lossy(), None),
+    );
 }
 
 /// The asset plugin that Umbrage's programs use: assets from this root, and glTF files from anywhere on disk.

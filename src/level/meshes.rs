@@ -51,7 +51,9 @@ impl MeshData {
 
     /// Adds a flat triangle; counter-clockwise seen from its front. Nothing where it has no area.
     pub fn push_triangle(&mut self, corners: [Vec3; 3], color: Rgb) {
-        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let normal = (corners[1] - corners[0])
+            .cross(corners[2] - corners[0])
+            .normalize_or_zero();
         if normal == Vec3::ZERO {
             return;
         }
@@ -63,20 +65,36 @@ impl MeshData {
 
     /// Adds a flat quadrilateral; counter-clockwise seen from its front.
     pub fn push_quad(&mut self, corners: [Vec3; 4], color: Rgb) {
-        let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or_zero();
+        let normal = (corners[2] - corners[0])
+            .cross(corners[3] - corners[1])
+            .normalize_or_zero();
         if normal == Vec3::ZERO {
             return;
         }
-        let [a, b, c, d] = corners.map(|corner| self.push_vertex(corner, normal, color, Vec2::ZERO));
+        let [a, b, c, d] =
+            corners.map(|corner| self.push_vertex(corner, normal, color, Vec2::ZERO));
         self.indices.extend([a, b, c, a, c, d]);
     }
 
     /// Adds a textured card whose vertices all have the given normal; seen from both sides, it casts like a solid
     /// only with a double-sided material.
-    pub fn push_card(&mut self, center: Vec3, half_right: Vec3, half_up: Vec3, normal: Vec3, color: Rgb) {
+    pub fn push_card(
+        &mut self,
+        center: Vec3,
+        half_right: Vec3,
+        half_up: Vec3,
+        normal: Vec3,
+        color: Rgb,
+    ) {
         let corner = |x: f32, y: f32| center + half_right * x + half_up * y;
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| self.push_vertex(corner(x, y), normal, color, Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y)));
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+            self.push_vertex(
+                corner(x, y),
+                normal,
+                color,
+                Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y),
+            )
+        });
         let [a, b, c, d] = corners;
         self.indices.extend([a, b, c, a, c, d]);
     }
@@ -90,11 +108,21 @@ impl MeshData {
     pub fn push_oriented_box(&mut self, center: Vec3, size: Vec3, rotation: Quat, color: Rgb) {
         let axes = Mat3::from_quat(rotation);
         let half = size * 0.5;
-        let axes = [axes.x_axis * half.x, axes.y_axis * half.y, axes.z_axis * half.z];
+        let axes = [
+            axes.x_axis * half.x,
+            axes.y_axis * half.y,
+            axes.z_axis * half.z,
+        ];
         for i in 0..3 {
             let (n, u, v) = (axes[i], axes[(i + 1) % 3], axes[(i + 2) % 3]);
-            self.push_quad([n - u - v, n + u - v, n + u + v, n - u + v].map(|p| center + p), color);
-            self.push_quad([-n - u - v, -n - u + v, -n + u + v, -n + u - v].map(|p| center + p), color);
+            self.push_quad(
+                [n - u - v, n + u - v, n + u + v, n - u + v].map(|p| center + p),
+                color,
+            );
+            self.push_quad(
+                [-n - u - v, -n - u + v, -n + u + v, -n + u - v].map(|p| center + p),
+                color,
+            );
         }
     }
 
@@ -104,14 +132,22 @@ impl MeshData {
         if along.length_squared() < 1e-12 {
             return;
         }
-        let rotation = Quat::from_mat3(&Mat3::from_cols_array_2d(&frame(along).map(|axis| axis.to_array())));
+        let rotation = Quat::from_mat3(&Mat3::from_cols_array_2d(
+            &frame(along).map(|axis| axis.to_array()),
+        ));
         let size = Vec3::new(thickness, along.length(), thickness);
         self.push_oriented_box((from + to) * 0.5, size, rotation, color);
     }
 
     /// Adds a round bar between two points: a cylinder, a truncated cone, or a cone where one radius is zero.
     /// Smooth around, flat caps. At least three sides.
-    pub fn push_round(&mut self, from: (Vec3, f32), to: (Vec3, f32), sides: u32, colors: (Rgb, Rgb)) {
+    pub fn push_round(
+        &mut self,
+        from: (Vec3, f32),
+        to: (Vec3, f32),
+        sides: u32,
+        colors: (Rgb, Rgb),
+    ) {
         let ((a, radius_a), (b, radius_b)) = (from, to);
         let along = b - a;
         let [x, y, z] = frame(along);
@@ -139,10 +175,13 @@ impl MeshData {
             } else {
                 corners.push((b, half, colors.1));
             }
-            let corners: Vec<u32> =
-                corners.into_iter().map(|(p, n, color)| self.push_vertex(p, n, color, Vec2::ZERO)).collect();
+            let corners: Vec<u32> = corners
+                .into_iter()
+                .map(|(p, n, color)| self.push_vertex(p, n, color, Vec2::ZERO))
+                .collect();
             for k in 2..corners.len() {
-                self.indices.extend([corners[0], corners[k - 1], corners[k]]);
+                self.indices
+                    .extend([corners[0], corners[k - 1], corners[k]]);
             }
             self.push_triangle([a, p(a, radius_a, i), p(a, radius_a, j)], colors.0);
             self.push_triangle([b, p(b, radius_b, j), p(b, radius_b, i)], colors.1);
@@ -151,7 +190,14 @@ impl MeshData {
 
     /// Adds a skirt of a fir: a cone with a jagged rim and a hollow underside. `jag` is the share of the radius that
     /// every second corner falls short of; the rim hangs by `droop`.
-    pub fn push_skirt(&mut self, foot: Vec3, height: f32, radius: f32, shape: SkirtShape, color: Rgb) {
+    pub fn push_skirt(
+        &mut self,
+        foot: Vec3,
+        height: f32,
+        radius: f32,
+        shape: SkirtShape,
+        color: Rgb,
+    ) {
         let sides = shape.points * 2;
         let apex = foot + Vec3::Y * height;
         let hollow = foot + Vec3::Y * (0.25 * height);
@@ -159,7 +205,11 @@ impl MeshData {
         let rim = |i: u32| {
             let i = i % sides;
             let angle = shape.turn + i as f32 / sides as f32 * std::f32::consts::TAU;
-            let (outer, low) = if i.is_multiple_of(2) { (1.0, shape.droop) } else { (1.0 - shape.jag, 0.0) };
+            let (outer, low) = if i.is_multiple_of(2) {
+                (1.0, shape.droop)
+            } else {
+                (1.0 - shape.jag, 0.0)
+            };
             let (sin, cos) = angle.sin_cos();
             foot + Vec3::new(cos * radius * outer, -low, sin * radius * outer)
         };
@@ -177,12 +227,21 @@ impl MeshData {
     }
 
     /// Adds a ball with a rough surface: an icosphere of 80 triangles, displaced by up to `roughness` of its radii.
-    pub fn push_blob(&mut self, center: Vec3, radii: Vec3, roughness: f32, seed: u32, colors: (Rgb, Rgb)) {
+    pub fn push_blob(
+        &mut self,
+        center: Vec3,
+        radii: Vec3,
+        roughness: f32,
+        seed: u32,
+        colors: (Rgb, Rgb),
+    ) {
         let (directions, triangles) = icosphere();
         let points: Vec<Vec3> = directions
             .iter()
             .enumerate()
-            .map(|(i, direction)| center + *direction * radii * (1.0 + roughness * noise::signed(seed, i as i32, 7)))
+            .map(|(i, direction)| {
+                center + *direction * radii * (1.0 + roughness * noise::signed(seed, i as i32, 7))
+            })
             .collect();
         let mut normals = vec![Vec3::ZERO; points.len()];
         for &[a, b, c] in &triangles {
@@ -197,7 +256,8 @@ impl MeshData {
             let color = std::array::from_fn(|k| colors.0[k] + (colors.1[k] - colors.0[k]) * up);
             self.push_vertex(*point, normals[i].normalize(), color, Vec2::ZERO);
         }
-        self.indices.extend(triangles.iter().flatten().map(|i| first + *i as u32));
+        self.indices
+            .extend(triangles.iter().flatten().map(|i| first + *i as u32));
     }
 
     /// Adds a gabled roof over a rectangle: `size` is its plan and height; the ridge runs along x.
@@ -205,7 +265,12 @@ impl MeshData {
         let (x, z) = (size.x * 0.5, size.z * 0.5);
         let at = |px: f32, py: f32, pz: f32| foot + Vec3::new(px, py, pz);
         let ridge = [at(-x, size.y, 0.0), at(x, size.y, 0.0)];
-        let [a, b, c, d] = [at(-x, 0.0, -z), at(x, 0.0, -z), at(x, 0.0, z), at(-x, 0.0, z)];
+        let [a, b, c, d] = [
+            at(-x, 0.0, -z),
+            at(x, 0.0, -z),
+            at(x, 0.0, z),
+            at(-x, 0.0, z),
+        ];
         self.push_quad([d, c, ridge[1], ridge[0]], color);
         self.push_quad([b, a, ridge[0], ridge[1]], color);
         self.push_triangle([c, b, ridge[1]], wall);
@@ -217,8 +282,18 @@ impl MeshData {
     pub fn append(&mut self, other: &Self, transform: Affine3A) {
         let first = self.positions.len() as u32;
         let normal_matrix = transform.matrix3.inverse().transpose();
-        self.positions.extend(other.positions.iter().map(|p| transform.transform_point3(*p)));
-        self.normals.extend(other.normals.iter().map(|n| Vec3::from(normal_matrix * bevy_math::Vec3A::from(*n)).normalize()));
+        self.positions.extend(
+            other
+                .positions
+                .iter()
+                .map(|p| transform.transform_point3(*p)),
+        );
+        self.normals.extend(
+            other
+                .normals
+                .iter()
+                .map(|n| Vec3::from(normal_matrix * bevy_math::Vec3A::from(*n)).normalize()),
+        );
         self.colors.extend(&other.colors);
         self.uvs.extend(&other.uvs);
         self.indices.extend(other.indices.iter().map(|i| first + i));
@@ -227,7 +302,11 @@ impl MeshData {
     /// Smallest and largest corner; `None` without vertices.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let first = *self.positions.first()?;
-        Some(self.positions.iter().fold((first, first), |(min, max), p| (min.min(*p), max.max(*p))))
+        Some(
+            self.positions
+                .iter()
+                .fold((first, first), |(min, max), p| (min.min(*p), max.max(*p))),
+        )
     }
 }
 
@@ -257,7 +336,11 @@ fn icosphere() -> (Vec<Vec3>, Vec<[usize; 3]>) {
     let g = (1.0 + 5.0_f32.sqrt()) * 0.5;
     let mut points = Vec::with_capacity(42);
     for (u, v) in [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)] {
-        points.extend([Vec3::new(u, v, 0.0), Vec3::new(0.0, u, v), Vec3::new(v, 0.0, u)]);
+        points.extend([
+            Vec3::new(u, v, 0.0),
+            Vec3::new(0.0, u, v),
+            Vec3::new(v, 0.0, u),
+        ]);
     }
     let edge = 2.1;
     let near = |a: Vec3, b: Vec3| a.distance(b) < edge;
@@ -271,14 +354,22 @@ fn icosphere() -> (Vec<Vec3>, Vec<[usize; 3]>) {
                 if !(near(p, q) && near(q, r) && near(r, p)) {
                     continue;
                 }
-                let [a, b, c] = if (q - p).cross(r - p).dot(p) > 0.0 { [a, b, c] } else { [a, c, b] };
+                let [a, b, c] = if (q - p).cross(r - p).dot(p) > 0.0 {
+                    [a, b, c]
+                } else {
+                    [a, c, b]
+                };
                 let mut middle = |a: usize, b: usize| {
                     let key = (a.min(b), a.max(b));
-                    middles.iter().find(|(edge, _)| *edge == key).map(|(_, i)| *i).unwrap_or_else(|| {
-                        points.push((corners[a] + corners[b]) * 0.5);
-                        middles.push((key, points.len() - 1));
-                        points.len() - 1
-                    })
+                    middles
+                        .iter()
+                        .find(|(edge, _)| *edge == key)
+                        .map(|(_, i)| *i)
+                        .unwrap_or_else(|| {
+                            points.push((corners[a] + corners[b]) * 0.5);
+                            middles.push((key, points.len() - 1));
+                            points.len() - 1
+                        })
                 };
                 let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
                 triangles.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
@@ -296,16 +387,41 @@ pub(super) mod tests {
 
     /// Indices in range, unit normals, nothing that is not a number, no triangle without area.
     pub(in crate::level) fn assert_sane(mesh: &MeshData, name: &str) {
-        assert!(!mesh.is_empty() && mesh.indices.len().is_multiple_of(3), "{name}");
+        assert!(
+            !mesh.is_empty() && mesh.indices.len().is_multiple_of(3),
+            "{name}"
+        );
         let count = mesh.positions.len();
-        assert_eq!([mesh.normals.len(), mesh.colors.len(), mesh.uvs.len()], [count; 3], "{name}");
-        assert!(mesh.indices.iter().all(|i| (*i as usize) < count), "{name}: index out of range");
-        assert!(mesh.positions.iter().all(|p| p.is_finite()), "{name}: position");
-        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{name}: normal");
-        assert!(mesh.colors.iter().flatten().all(|c| (0.0..=1.0).contains(c)), "{name}: colour");
+        assert_eq!(
+            [mesh.normals.len(), mesh.colors.len(), mesh.uvs.len()],
+            [count; 3],
+            "{name}"
+        );
+        assert!(
+            mesh.indices.iter().all(|i| (*i as usize) < count),
+            "{name}: index out of range"
+        );
+        assert!(
+            mesh.positions.iter().all(|p| p.is_finite()),
+            "{name}: position"
+        );
+        assert!(
+            mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4),
+            "{name}: normal"
+        );
+        assert!(
+            mesh.colors
+                .iter()
+                .flatten()
+                .all(|c| (0.0..=1.0).contains(c)),
+            "{name}: colour"
+        );
         for triangle in mesh.indices.chunks(3) {
             let [a, b, c] = [0, 1, 2].map(|k| mesh.positions[triangle[k] as usize]);
-            assert!((b - a).cross(c - a).length() > 1e-9, "{name}: triangle {a} {b} {c} has no area");
+            assert!(
+                (b - a).cross(c - a).length() > 1e-9,
+                "{name}: triangle {a} {b} {c} has no area"
+            );
         }
     }
 
@@ -324,7 +440,11 @@ pub(super) mod tests {
                 let (a, b) = (key(corners[k]), key(corners[(k + 1) % 3]));
                 *edges.entry((a.min(b), a.max(b))).or_default() += if a < b { 1 } else { -1 };
                 let cosine = mesh.normals[triangle[k] as usize].dot(normal.normalize());
-                assert!(cosine > 0.0, "{name}: a vertex normal lies behind its triangle ({cosine}) at {}", corners[k]);
+                assert!(
+                    cosine > 0.0,
+                    "{name}: a vertex normal lies behind its triangle ({cosine}) at {}",
+                    corners[k]
+                );
             }
         }
         assert!(edges.values().all(|sum| *sum == 0), "{name}: not closed");
@@ -335,9 +455,19 @@ pub(super) mod tests {
     fn primitives_are_solids() {
         let white = [1.0; 3];
         let mut mesh = MeshData::default();
-        mesh.push_oriented_box(Vec3::ONE, Vec3::new(1.0, 2.0, 3.0), Quat::from_rotation_x(0.4), white);
+        mesh.push_oriented_box(
+            Vec3::ONE,
+            Vec3::new(1.0, 2.0, 3.0),
+            Quat::from_rotation_x(0.4),
+            white,
+        );
         assert_solid(&mesh, "box");
-        let round = [("cylinder", 0.5, 0.5), ("cone", 0.5, 0.0), ("upside down", 0.0, 0.5), ("trunk", 0.5, 0.2)];
+        let round = [
+            ("cylinder", 0.5, 0.5),
+            ("cone", 0.5, 0.0),
+            ("upside down", 0.0, 0.5),
+            ("trunk", 0.5, 0.2),
+        ];
         for (name, a, b) in round {
             for to in [Vec3::new(0.3, 2.0, 0.1), Vec3::NEG_Y, Vec3::X] {
                 let mut mesh = MeshData::default();
@@ -370,9 +500,19 @@ pub(super) mod tests {
         let mut unit = MeshData::default();
         unit.push_box(Vec3::ZERO, Vec3::ONE, [0.5; 3]);
         let mut mesh = MeshData::default();
-        mesh.append(&unit, Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 1.0, 1.0), Quat::IDENTITY, Vec3::Y));
+        mesh.append(
+            &unit,
+            Affine3A::from_scale_rotation_translation(
+                Vec3::new(2.0, 1.0, 1.0),
+                Quat::IDENTITY,
+                Vec3::Y,
+            ),
+        );
         assert_solid(&mesh, "appended");
-        assert_eq!(mesh.bounds(), Some((Vec3::new(-1.0, 0.5, -0.5), Vec3::new(1.0, 1.5, 0.5))));
+        assert_eq!(
+            mesh.bounds(),
+            Some((Vec3::new(-1.0, 0.5, -0.5), Vec3::new(1.0, 1.5, 0.5)))
+        );
     }
 
     #[test]
@@ -383,7 +523,10 @@ pub(super) mod tests {
         let axis = (to - from).normalize();
         for p in &mesh.positions {
             let off = (*p - from).reject_from(axis).length();
-            assert!((off - 0.1 * std::f32::consts::SQRT_2).abs() < 1e-4, "{p} is {off} off the axis");
+            assert!(
+                (off - 0.1 * std::f32::consts::SQRT_2).abs() < 1e-4,
+                "{p} is {off} off the axis"
+            );
         }
     }
 }

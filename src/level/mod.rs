@@ -59,7 +59,14 @@ impl Plugin for LevelPlugin {
             .init_resource::<load::Job>()
             .add_systems(
                 Update,
-                (load::reload, load::start, load::advance_level, load_gltf::advance_gltf).chain().in_set(LevelSystems),
+                (
+                    load::reload,
+                    load::start,
+                    load::advance_level,
+                    load_gltf::advance_gltf,
+                )
+                    .chain()
+                    .in_set(LevelSystems),
             );
     }
 }

@@ -34,7 +34,9 @@ fn field_before(text: &str, line: usize, column: usize) -> String {
             let head = &code[..at];
             let start = head
                 .rfind(|letter: char| !(letter.is_alphanumeric() || letter == '_'))
-                .map_or(0, |before| before + head[before..].chars().next().map_or(1, char::len_utf8));
+                .map_or(0, |before| {
+                    before + head[before..].chars().next().map_or(1, char::len_utf8)
+                });
             let reached = i + 1 < line || head[..start].chars().count() < column;
             if start < at && reached {
                 field = &head[start..];
@@ -67,7 +69,10 @@ mod tests {
         let level = parse(SMALL.as_bytes()).unwrap();
         assert_eq!(level.shots()[0].light_dir, [1.0, -1.0, 0.0]);
         assert_eq!(level.shots()[0].scene.as_deref(), Some("test"));
-        assert_eq!((level.shots()[0].width, level.shots()[0].height), (1280, 720));
+        assert_eq!(
+            (level.shots()[0].width, level.shots()[0].height),
+            (1280, 720)
+        );
     }
 
     /// (what is replaced, by what, line, field, part of the message)
@@ -76,7 +81,13 @@ mod tests {
         ("seed: 1", "seeed: 1", 4, "seeed", "seed"),
         ("seed: 1,", "", 13, "far", "seed"),
         ("near: 0.1", "near: 0.1, shadow: 1", 12, "shadow", "shadow"),
-        ("PlaneBox(side: 2.0)", "PlaneBox(height: 2.0)", 5, "height", "side"),
+        (
+            "PlaneBox(side: 2.0)",
+            "PlaneBox(height: 2.0)",
+            5,
+            "height",
+            "side",
+        ),
         ("Room(PlaneBox", "Room(Cellar", 5, "generator", "Cellar"),
     ];
 
@@ -85,7 +96,12 @@ mod tests {
         for (from, to, at, named, part) in BROKEN {
             let text = SMALL.replace(from, to);
             match parse(text.as_bytes()) {
-                Err(LevelError::Syntax { line, field, message, .. }) => {
+                Err(LevelError::Syntax {
+                    line,
+                    field,
+                    message,
+                    ..
+                }) => {
                     assert_eq!((line, field.as_str()), (at, named), "{to}: {message}");
                     assert!(message.contains(part), "{to}: {message}");
                 }
@@ -96,7 +112,10 @@ mod tests {
 
     #[test]
     fn empty_and_binary_files_are_errors() {
-        assert!(matches!(parse(b""), Err(LevelError::Syntax { line: 1, .. })));
+        assert!(matches!(
+            parse(b""),
+            Err(LevelError::Syntax { line: 1, .. })
+        ));
         assert_eq!(parse(&[0xff, 0xfe, 0x00]), Err(LevelError::NotText));
     }
 }

@@ -23,7 +23,12 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
             scale: Vec3::splat(side),
             ..Placement::upright(Model::Cube(0), Vec3::ZERO, 0.0)
         }),
-        Room::Poles { spacing, height, radius, gap } => {
+        Room::Poles {
+            spacing,
+            height,
+            radius,
+            gap,
+        } => {
             for z in stations(size.y, spacing) {
                 for (x, paint) in [(-0.5 * gap, 0), (0.5 * gap, 1)] {
                     placements.push(Placement {
@@ -33,7 +38,10 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 }
             }
         }
-        Room::Fence { post_spacing, height } => {
+        Room::Fence {
+            post_spacing,
+            height,
+        } => {
             let stations: Vec<f32> = stations(size.y, post_spacing).collect();
             for (i, z) in stations.iter().enumerate() {
                 let foot = Vec3::new(0.0, 0.0, *z);
@@ -49,7 +57,12 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 }
             }
         }
-        Room::Wires { spacing, height, diameter, sag } => {
+        Room::Wires {
+            spacing,
+            height,
+            diameter,
+            sag,
+        } => {
             let stations: Vec<f32> = stations(size.y, spacing).collect();
             for (i, z) in stations.iter().enumerate() {
                 for x in [-1.0, 1.0] {
@@ -58,7 +71,9 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                         ..Placement::upright(Model::Pole(2), Vec3::new(x, 0.0, *z), 0.0)
                     });
                 }
-                let Some(next) = stations.get(i + 1) else { continue };
+                let Some(next) = stations.get(i + 1) else {
+                    continue;
+                };
                 for (x, y) in [(-1.0, 0.99), (1.0, 0.99), (-1.0, 0.9), (1.0, 0.9)] {
                     let end = |z: f32| Vec3::new(x, y * height, z);
                     statics.push(Static {
@@ -81,7 +96,12 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
         .map(|i| {
             let lattice = Vec2::new((i % side) as f32, (i / side) as f32) + 0.5;
             let p = lattice * trees.spacing - 0.5 * extent;
-            let species = [Species::Conifer, Species::Birch, Species::Conifer, Species::DeadTree][rng.random_range(0..4)];
+            let species = [
+                Species::Conifer,
+                Species::Birch,
+                Species::Conifer,
+                Species::DeadTree,
+            ][rng.random_range(0..4)];
             let model = Model::Plant(species, rng.random_range(0..plants::VARIANTS));
             let yaw = rng.random_range(0.0..std::f32::consts::TAU);
             Placement {
@@ -90,7 +110,10 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
             }
         })
         .collect();
-    finish(vec![plane(level.terrain.size.max(Vec2::splat(extent + 20.0)))], placements)
+    finish(
+        vec![plane(level.terrain.size.max(Vec2::splat(extent + 20.0)))],
+        placements,
+    )
 }
 
 fn finish(statics: Vec<Static>, placements: Vec<Placement>) -> Scenery {
@@ -116,12 +139,23 @@ fn plane(size: Vec2) -> Static {
     for j in 0..count[1] {
         for i in 0..count[0] {
             let at = |i: u32, j: u32| {
-                let p = Vec2::new(i as f32 / count[0] as f32, j as f32 / count[1] as f32) * size - size * 0.5;
+                let p = Vec2::new(i as f32 / count[0] as f32, j as f32 / count[1] as f32) * size
+                    - size * 0.5;
                 Vec3::new(p.x, 0.0, p.y)
             };
-            let light = if (i + j).is_multiple_of(2) { 0.42 } else { 0.36 };
-            mesh.push_quad([at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)], [light, light, light * 0.95]);
+            let light = if (i + j).is_multiple_of(2) {
+                0.42
+            } else {
+                0.36
+            };
+            mesh.push_quad(
+                [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)],
+                [light, light, light * 0.95],
+            );
         }
     }
-    Static { name: "plane", mesh }
+    Static {
+        name: "plane",
+        mesh,
+    }
 }

@@ -34,7 +34,12 @@ pub struct Thrown {
 
 /// Throws all rules in order. Two things keep the mean of their rules' spacings between them; trees stay out of
 /// clearings, and everything stays off tracks and where `is_free` says no.
-pub fn scatter(terrain: &Terrain, rules: &[ScatterRule], is_free: impl Fn(Vec2) -> bool, seed: u64) -> Vec<Thrown> {
+pub fn scatter(
+    terrain: &Terrain,
+    rules: &[ScatterRule],
+    is_free: impl Fn(Vec2) -> bool,
+    seed: u64,
+) -> Vec<Thrown> {
     let cell = rules.iter().map(|rule| rule.spacing).fold(1.0, f32::max);
     let mut near = Grid::new(cell);
     let mut thrown = Vec::new();
@@ -51,14 +56,22 @@ pub fn scatter(terrain: &Terrain, rules: &[ScatterRule], is_free: impl Fn(Vec2) 
             let half = terrain.size() * 0.5 - 1.0;
             let dart = Thrown {
                 species: rule.species,
-                position: Vec2::new(rng.random_range(-1.0..1.0) * half.x, rng.random_range(-1.0..1.0) * half.y),
+                position: Vec2::new(
+                    rng.random_range(-1.0..1.0) * half.x,
+                    rng.random_range(-1.0..1.0) * half.y,
+                ),
                 yaw: rng.random_range(0.0..std::f32::consts::TAU),
                 scale: rule.scale.0 + (rule.scale.1 - rule.scale.0) * rng.random::<f32>(),
                 variant: rng.random(),
                 spacing: rule.spacing,
             };
-            let in_patch = rng.random::<f32>() >= rule.clumping * (0.55 - 1.6 * noise::octaves(patches, dart.position / 34.0, 2));
-            if in_patch && is_free(dart.position) && allowed(terrain, rule, dart.position) && near.is_free(&thrown, &dart) {
+            let in_patch = rng.random::<f32>()
+                >= rule.clumping * (0.55 - 1.6 * noise::octaves(patches, dart.position / 34.0, 2));
+            if in_patch
+                && is_free(dart.position)
+                && allowed(terrain, rule, dart.position)
+                && near.is_free(&thrown, &dart)
+            {
                 near.add(thrown.len(), dart.position);
                 thrown.push(dart);
                 left -= 1;
@@ -78,8 +91,15 @@ fn allowed(terrain: &Terrain, rule: &ScatterRule, p: Vec2) -> bool {
     let slope = terrain.normal(p).y.clamp(-1.0, 1.0).acos().to_degrees();
     (rule.height.0..=rule.height.1).contains(&height)
         && (rule.slope_deg.0..=rule.slope_deg.1).contains(&slope)
-        && !(rule.species.is_tree() && terrain.clearings().iter().any(|c| p.distance(c.center) < c.radius))
-        && terrain.tracks().iter().all(|track| track.distance(p) > track_distance(rule.species, track))
+        && !(rule.species.is_tree()
+            && terrain
+                .clearings()
+                .iter()
+                .any(|c| p.distance(c.center) < c.radius))
+        && terrain
+            .tracks()
+            .iter()
+            .all(|track| track.distance(p) > track_distance(rule.species, track))
 }
 
 /// Things by square cells.
@@ -106,11 +126,13 @@ impl Grid {
 
     fn is_free(&self, thrown: &[Thrown], dart: &Thrown) -> bool {
         let [x, y] = self.key(dart.position);
-        (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy])).all(|key| {
-            self.things.get(&key).into_iter().flatten().all(|i| {
-                let other = &thrown[*i];
-                dart.position.distance(other.position) >= 0.5 * (dart.spacing + other.spacing)
+        (-1..=1)
+            .flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]))
+            .all(|key| {
+                self.things.get(&key).into_iter().flatten().all(|i| {
+                    let other = &thrown[*i];
+                    dart.position.distance(other.position) >= 0.5 * (dart.spacing + other.spacing)
+                })
             })
-        })
     }
 }

@@ -62,7 +62,10 @@ impl Track {
             heights: vec![0.0; points.len()],
             points,
             width: shape.width,
-            free: shape.fence.map_or(0.0, |fence| fence.offset).max(0.5 * shape.width),
+            free: shape
+                .fence
+                .map_or(0.0, |fence| fence.offset)
+                .max(0.5 * shape.width),
         }
     }
 
@@ -74,7 +77,10 @@ impl Track {
             let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
             let distance = p.distance_squared(a + (b - a) * t);
             if distance < best.0 {
-                best = (distance, self.heights[i - 1] + (self.heights[i] - self.heights[i - 1]) * t);
+                best = (
+                    distance,
+                    self.heights[i - 1] + (self.heights[i] - self.heights[i - 1]) * t,
+                );
             }
         }
         (best.0.sqrt(), best.1)
@@ -108,8 +114,17 @@ impl Terrain {
         let raw = |p: Vec2| Self::raw_height(shape, seed, terrain.size, p);
         let level = |p: Vec2| {
             shape.clearings.iter().fold(raw(p), |height, clearing| {
-                let inside = 1.0 - smoothstep(0.7 * clearing.radius, 1.6 * clearing.radius, p.distance(clearing.center));
-                if inside > 0.0 { height + (raw(clearing.center) - height) * inside } else { height }
+                let inside = 1.0
+                    - smoothstep(
+                        0.7 * clearing.radius,
+                        1.6 * clearing.radius,
+                        p.distance(clearing.center),
+                    );
+                if inside > 0.0 {
+                    height + (raw(clearing.center) - height) * inside
+                } else {
+                    height
+                }
             })
         };
         let mut tracks = terrain.tracks.clone();
@@ -129,7 +144,12 @@ impl Terrain {
                 let p = terrain.corner(i, j);
                 let height = tracks.iter().fold(level(p), |height, track| {
                     let (distance, trodden) = track.nearest(p);
-                    let inside = 1.0 - smoothstep(0.5 * track.width + CELL, 0.5 * track.width + CELL + SHOULDER, distance);
+                    let inside = 1.0
+                        - smoothstep(
+                            0.5 * track.width + CELL,
+                            0.5 * track.width + CELL + SHOULDER,
+                            distance,
+                        );
                     height + (trodden - height) * inside
                 });
                 heights.push(height);
@@ -144,7 +164,11 @@ impl Terrain {
         let Some(hills) = shape.hills else { return 0.0 };
         let noise = noise::octaves(seed, p / hills.wavelength, hills.octaves);
         let edge = (size * 0.5 - p.abs()).min_element();
-        let rim = if hills.rim_width > 0.0 { 1.0 - smoothstep(0.0, hills.rim_width, edge) } else { 0.0 };
+        let rim = if hills.rim_width > 0.0 {
+            1.0 - smoothstep(0.0, hills.rim_width, edge)
+        } else {
+            0.0
+        };
         // Noise rarely passes 0.6 of its bound.
         hills.amplitude * noise / 0.6 + hills.rim_height * rim
     }
@@ -177,7 +201,10 @@ impl Terrain {
     fn locate(&self, p: Vec2) -> ([usize; 2], Vec2) {
         let grid = ((p + self.size * 0.5) / CELL).clamp(Vec2::ZERO, self.size / CELL);
         let cell = [grid.x, grid.y].map(|v| v as usize);
-        let cell = [cell[0].min(self.cells[0] - 1), cell[1].min(self.cells[1] - 1)];
+        let cell = [
+            cell[0].min(self.cells[0] - 1),
+            cell[1].min(self.cells[1] - 1),
+        ];
         (cell, grid - Vec2::new(cell[0] as f32, cell[1] as f32))
     }
 
@@ -218,7 +245,12 @@ impl Terrain {
             for i in first[0]..=last[0] {
                 let p = self.corner(i, j);
                 let normal = self.normal(p);
-                mesh.push_vertex(Vec3::new(p.x, self.at(i, j), p.y), normal, self.color(p, normal), Vec2::ZERO);
+                mesh.push_vertex(
+                    Vec3::new(p.x, self.at(i, j), p.y),
+                    normal,
+                    self.color(p, normal),
+                    Vec2::ZERO,
+                );
             }
         }
         let columns = (last[0] - first[0] + 1) as u32;
@@ -240,14 +272,23 @@ impl Terrain {
         let earth = Vec3::new(0.33, 0.25, 0.16);
         let stone = Vec3::new(0.26, 0.25, 0.23);
         let patches = smoothstep(-0.25, 0.35, noise::octaves(self.seed ^ 77, p / 19.0, 3));
-        let meadow = self.clearings.iter().map(|c| 1.0 - smoothstep(0.8 * c.radius, 1.4 * c.radius, p.distance(c.center)));
+        let meadow = self
+            .clearings
+            .iter()
+            .map(|c| 1.0 - smoothstep(0.8 * c.radius, 1.4 * c.radius, p.distance(c.center)));
         let meadow = meadow.fold(0.0, f32::max);
         let mut color = litter.lerp(grass, patches.max(meadow));
-        color = color.lerp(dry, 0.6 * smoothstep(0.0, 0.5, noise::octaves(self.seed ^ 78, p / 31.0, 3)));
+        color = color.lerp(
+            dry,
+            0.6 * smoothstep(0.0, 0.5, noise::octaves(self.seed ^ 78, p / 31.0, 3)),
+        );
         color = color.lerp(stone, smoothstep(0.55, 0.75, 1.0 - normal.y.powi(2)));
         for track in &self.tracks {
             let half = 0.5 * track.width;
-            color = color.lerp(earth, 1.0 - smoothstep(half - 0.6, half + 1.4, track.distance(p)));
+            color = color.lerp(
+                earth,
+                1.0 - smoothstep(half - 0.6, half + 1.4, track.distance(p)),
+            );
         }
         color *= 1.0 + 0.18 * noise::signed(self.seed, (p.x * 8.0) as i32, (p.y * 8.0) as i32);
         color.clamp(Vec3::ZERO, Vec3::ONE).to_array()
@@ -275,7 +316,11 @@ mod tests {
             }],
             tracks: vec![TrackShape {
                 width: 3.0,
-                points: vec![Vec2::new(-55.0, -20.0), Vec2::new(0.0, 5.0), Vec2::new(50.0, -10.0)],
+                points: vec![
+                    Vec2::new(-55.0, -20.0),
+                    Vec2::new(0.0, 5.0),
+                    Vec2::new(50.0, -10.0),
+                ],
                 fence: None,
             }],
         }
@@ -304,7 +349,12 @@ mod tests {
         let area: f32 = terrain
             .tiles()
             .iter()
-            .flat_map(|tile| tile.indices.chunks(3).map(|t| [0, 1, 2].map(|k| tile.positions[t[k] as usize])).collect::<Vec<_>>())
+            .flat_map(|tile| {
+                tile.indices
+                    .chunks(3)
+                    .map(|t| [0, 1, 2].map(|k| tile.positions[t[k] as usize]))
+                    .collect::<Vec<_>>()
+            })
             .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).y)
             .sum();
         assert!((area - 120.0 * 90.0).abs() < 1.0, "{area}");
@@ -315,12 +365,22 @@ mod tests {
         let terrain = Terrain::new(&shape(), 3);
         let track = &terrain.tracks()[0];
         for i in (10..track.points.len() - 10).step_by(5) {
-            let across = (track.points[i + 1] - track.points[i - 1]).normalize().perp() * 1.5;
-            let (left, right) = (terrain.height(track.points[i] + across), terrain.height(track.points[i] - across));
+            let across = (track.points[i + 1] - track.points[i - 1])
+                .normalize()
+                .perp()
+                * 1.5;
+            let (left, right) = (
+                terrain.height(track.points[i] + across),
+                terrain.height(track.points[i] - across),
+            );
             assert!((left - right).abs() < 0.35, "{left} {right}");
         }
         let middle = terrain.height(Vec2::new(-20.0, 10.0));
-        for offset in [Vec2::new(4.0, 5.0), Vec2::new(-6.0, 4.0), Vec2::new(0.0, 8.0)] {
+        for offset in [
+            Vec2::new(4.0, 5.0),
+            Vec2::new(-6.0, 4.0),
+            Vec2::new(0.0, 8.0),
+        ] {
             let height = terrain.height(Vec2::new(-20.0, 10.0) + offset);
             assert!((height - middle).abs() < 0.5, "{height} {middle}");
         }
@@ -329,13 +389,19 @@ mod tests {
     #[test]
     fn places_outside_have_the_edge_s_height() {
         let terrain = Terrain::new(&shape(), 3);
-        assert_eq!(terrain.height(Vec2::new(1e9, 0.0)), terrain.height(Vec2::new(60.0, 0.0)));
+        assert_eq!(
+            terrain.height(Vec2::new(1e9, 0.0)),
+            terrain.height(Vec2::new(60.0, 0.0))
+        );
         assert!(terrain.height(Vec2::splat(-1e9)).is_finite());
     }
 
     #[test]
     fn the_seed_changes_the_hills() {
         assert_eq!(Terrain::new(&shape(), 3), Terrain::new(&shape(), 3));
-        assert_ne!(Terrain::new(&shape(), 3).heights, Terrain::new(&shape(), 4).heights);
+        assert_ne!(
+            Terrain::new(&shape(), 3).heights,
+            Terrain::new(&shape(), 4).heights
+        );
     }
 }

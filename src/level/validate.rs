@@ -55,7 +55,11 @@ pub enum LevelError {
 }
 
 /// A value out of its limits.
-fn wrong(field: impl Into<String>, value: impl ToString, expected: impl Into<String>) -> LevelError {
+fn wrong(
+    field: impl Into<String>,
+    value: impl ToString,
+    expected: impl Into<String>,
+) -> LevelError {
     LevelError::Value {
         field: field.into(),
         value: value.to_string(),
@@ -97,7 +101,11 @@ fn inside(field: &str, value: Vec2, size: Vec2) -> Result<(), LevelError> {
     if value.is_finite() && value.abs().cmple(size * 0.5).all() {
         Ok(())
     } else {
-        Err(wrong(field, value, format!("on the terrain of {} x {} m", size.x, size.y)))
+        Err(wrong(
+            field,
+            value,
+            format!("on the terrain of {} x {} m", size.x, size.y),
+        ))
     }
 }
 
@@ -105,7 +113,11 @@ fn light_dir(field: &str, value: Vec3) -> Result<(), LevelError> {
     if value.is_finite() && value.length_squared() > 1e-12 && value.length_squared() < 1e12 {
         Ok(())
     } else {
-        Err(wrong(field, value, "a direction of finite length other than zero"))
+        Err(wrong(
+            field,
+            value,
+            "a direction of finite length other than zero",
+        ))
     }
 }
 
@@ -152,7 +164,11 @@ impl Level {
     /// The first field that is out of its limits, with its value and the limits.
     pub fn validate(&self) -> Result<(), LevelError> {
         if self.name.trim().is_empty() {
-            return Err(wrong("name", "empty", "the file's path below levels/ without .level.ron"));
+            return Err(wrong(
+                "name",
+                "empty",
+                "the file's path below levels/ without .level.ron",
+            ));
         }
         self.terrain.validate()?;
         self.generator.validate(self.terrain.size)?;
@@ -163,7 +179,11 @@ impl Level {
         point("spawn.position", self.spawn.position)?;
         point("spawn.look_at", self.spawn.look_at)?;
         if self.spawn.position == self.spawn.look_at {
-            return Err(wrong("spawn.look_at", self.spawn.look_at, "another point than spawn.position"));
+            return Err(wrong(
+                "spawn.look_at",
+                self.spawn.look_at,
+                "another point than spawn.position",
+            ));
         }
         if self.shots.is_empty() {
             return Err(wrong("shots", "empty", "a list of at least one shot"));
@@ -212,11 +232,18 @@ impl Level {
             ("count", Generator::Forest(_)) => {
                 let wanted = u64::from(small(MAX_COUNT)?);
                 let trees = |rule: &&mut ScatterRule| rule.species.is_tree();
-                let total: u64 = self.scatter.iter_mut().filter(trees).map(|rule| u64::from(rule.count)).sum();
+                let total: u64 = self
+                    .scatter
+                    .iter_mut()
+                    .filter(trees)
+                    .map(|rule| u64::from(rule.count))
+                    .sum();
                 let (mut left_total, mut left) = (total, wanted);
                 for rule in self.scatter.iter_mut().filter(trees) {
                     // The rest goes to the rules that are left, so that the sum is exact.
-                    let share = (left * u64::from(rule.count)).checked_div(left_total).unwrap_or(0);
+                    let share = (left * u64::from(rule.count))
+                        .checked_div(left_total)
+                        .unwrap_or(0);
                     left_total -= u64::from(rule.count);
                     left -= share;
                     rule.count = u32::try_from(share).unwrap_or(MAX_COUNT);
@@ -246,17 +273,36 @@ impl TerrainShape {
         if let Some(hills) = self.hills {
             for (axis, size) in [("x", self.size.x), ("y", self.size.y)] {
                 // Hills are a grid of 2 m: 2 km are a million heights.
-                number(&format!("terrain.size.{axis} with hills"), size, 4.0, 2_000.0)?;
+                number(
+                    &format!("terrain.size.{axis} with hills"),
+                    size,
+                    4.0,
+                    2_000.0,
+                )?;
             }
             number("terrain.hills.amplitude", hills.amplitude, 0.0, 500.0)?;
             number("terrain.hills.wavelength", hills.wavelength, 4.0, 20_000.0)?;
             count("terrain.hills.octaves", hills.octaves, 1, 8)?;
             number("terrain.hills.rim_height", hills.rim_height, 0.0, 500.0)?;
-            number("terrain.hills.rim_width", hills.rim_width, 0.0, 0.5 * self.size.min_element())?;
+            number(
+                "terrain.hills.rim_width",
+                hills.rim_width,
+                0.0,
+                0.5 * self.size.min_element(),
+            )?;
         }
         for (i, clearing) in self.clearings.iter().enumerate() {
-            inside(&format!("terrain.clearings[{i}].center"), clearing.center, self.size)?;
-            number(&format!("terrain.clearings[{i}].radius"), clearing.radius, 0.1, 1_000.0)?;
+            inside(
+                &format!("terrain.clearings[{i}].center"),
+                clearing.center,
+                self.size,
+            )?;
+            number(
+                &format!("terrain.clearings[{i}].radius"),
+                clearing.radius,
+                0.1,
+                1_000.0,
+            )?;
         }
         for (i, track) in self.tracks.iter().enumerate() {
             let field = format!("terrain.tracks[{i}]");
@@ -279,7 +325,12 @@ impl TerrainShape {
                 }
             }
             if let Some(fence) = track.fence {
-                number(&format!("{field}.fence.post_spacing"), fence.post_spacing, 0.2, 50.0)?;
+                number(
+                    &format!("{field}.fence.post_spacing"),
+                    fence.post_spacing,
+                    0.2,
+                    50.0,
+                )?;
                 number(&format!("{field}.fence.height"), fence.height, 0.2, 10.0)?;
                 number(&format!("{field}.fence.offset"), fence.offset, 0.0, 50.0)?;
             }
@@ -294,7 +345,12 @@ impl Generator {
             Self::Forest(forest) => {
                 for (i, hut) in forest.huts.iter().enumerate() {
                     inside(&format!("generator.huts[{i}].position"), hut.position, size)?;
-                    number(&format!("generator.huts[{i}].yaw_deg"), hut.yaw_deg, -360.0, 360.0)?;
+                    number(
+                        &format!("generator.huts[{i}].yaw_deg"),
+                        hut.yaw_deg,
+                        -360.0,
+                        360.0,
+                    )?;
                 }
                 Ok(())
             }
@@ -304,23 +360,41 @@ impl Generator {
                 interval("generator.block_side", city.block_side, 20.0, 200.0)?;
                 number("generator.street", city.street, 4.0, 60.0)?;
                 number("generator.avenue", city.avenue, 4.0, 100.0)?;
-                number("generator.pavement", city.pavement, 1.5, 0.2 * city.block_side.0)?;
+                number(
+                    "generator.pavement",
+                    city.pavement,
+                    1.5,
+                    0.2 * city.block_side.0,
+                )?;
                 count("generator.max_floors", city.max_floors, 1, 200)?;
                 number("generator.tower_height", city.tower_height, 20.0, 1_000.0)?;
                 count("generator.cars", city.cars, 0, MAX_COUNT)
             }
             Self::Room(Room::PlaneBox { side }) => number("generator.side", *side, 0.01, 1_000.0),
-            Self::Room(Room::Poles { spacing, height, radius, gap }) => {
+            Self::Room(Room::Poles {
+                spacing,
+                height,
+                radius,
+                gap,
+            }) => {
                 number("generator.spacing", *spacing, 0.5, 1_000.0)?;
                 number("generator.height", *height, 0.01, 1_000.0)?;
                 number("generator.radius", *radius, 0.001, 0.4 * spacing)?;
                 number("generator.gap", *gap, 3.0 * radius, size.x)
             }
-            Self::Room(Room::Fence { post_spacing, height }) => {
+            Self::Room(Room::Fence {
+                post_spacing,
+                height,
+            }) => {
                 number("generator.post_spacing", *post_spacing, 0.2, 100.0)?;
                 number("generator.height", *height, 0.2, 100.0)
             }
-            Self::Room(Room::Wires { spacing, height, diameter, sag }) => {
+            Self::Room(Room::Wires {
+                spacing,
+                height,
+                diameter,
+                sag,
+            }) => {
                 number("generator.spacing", *spacing, 1.0, 1_000.0)?;
                 number("generator.height", *height, 1.0, 1_000.0)?;
                 number("generator.diameter", *diameter, 0.0005, 1.0)?;
@@ -383,7 +457,11 @@ impl CameraPath {
         for (i, key) in self.keys.iter().enumerate() {
             let field = format!("{field}.keys[{i}]");
             view(&field, key.position, key.target)?;
-            let earliest = if i == 0 { 0.0 } else { self.keys[i - 1].time + 1e-3 };
+            let earliest = if i == 0 {
+                0.0
+            } else {
+                self.keys[i - 1].time + 1e-3
+            };
             number(&format!("{field}.time"), key.time, earliest, 1e6)?;
         }
         Ok(())

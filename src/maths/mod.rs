@@ -60,6 +60,7 @@
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
 
+pub mod bias;
 pub mod body;
 pub mod bounds;
 mod clip;

@@ -1,4 +1,100 @@
-//! Render world: the passes that draw and apply light views.
+//! Render world: the passes that draw light views and apply them.
+//!
+//! One frame of a camera whose sun takes the full path ([`ShadowPath::Full`](crate::shadow::settings::ShadowPath)):
+//!
+//! ```text
+//! extract     SunViews of the main world ──► ExtractedSun on the camera                      extract
+//! prepare     atlas and result textures, caster phase, one render view per light view        atlas, caster::prepare
+//! queue       casters into one binned phase, shared by all light views                       caster::queue
+//! Core3d      depth prepass, Bevy's own shadow passes
+//!             └─► plan:  bins of the phase, buffers                                          caster::plan
+//!             └─► cull and draw all light views into the atlas                               caster::pass
+//!             └─► apply: shadow result of every pixel                                        apply
+//!             └─► bridge: result ──► the sun's extra shadow layer                            bridge
+//!             Bevy's main pass, forward or deferred, any material, reads the layer
+//! ```
+//!
+//! All contact with Bevy's semi-internal types sits in [`bridge`] and [`caster`].
 
+pub mod apply;
+pub mod atlas;
+pub mod bridge;
+pub mod camera;
 pub mod capture;
+pub mod caster;
+pub mod extract;
+pub mod gpu_types;
 pub mod mask;
+mod shaders;
+
+use bevy::{
+    app::PluginGroupBuilder,
+    core_pipeline::schedule::{Core3d, Core3dSystems},
+    pbr::{LATE_SHADOW_PASS, per_view_shadow_pass},
+    prelude::*,
+    render::{Render, RenderApp, RenderSystems},
+};
+
+/// Sharp sun shadows: add this group after Bevy's default plugins.
+///
+/// | member | what it does |
+/// |---|---|
+/// | [`ShadowPlugin`](crate::shadow::ShadowPlugin) | scene bounds, light views, the drop-in path, gizmos |
+/// | [`RenderPlugin`] | the full path: caster phase, atlas, apply pass, bridge into Bevy's lighting |
+pub struct UmbragePlugins;
+
+impl PluginGroup for UmbragePlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(crate::shadow::ShadowPlugin)
+            .add(RenderPlugin)
+    }
+}
+
+/// The passes of the full path, in the order of [`Core3d`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub enum SunShadowPasses {
+    /// Reads the bins of the caster phase and sizes buffers.
+    Plan,
+    /// Culls and draws all light views into the atlas.
+    DrawCasters,
+    /// Writes the shadow result of every pixel.
+    Apply,
+    /// Hands the result to Bevy's lighting.
+    Bridge,
+}
+
+/// The full path. Needs [`ShadowPlugin`](crate::shadow::ShadowPlugin) and Bevy's PBR plugins.
+pub struct RenderPlugin;
+
+impl Plugin for RenderPlugin {
+    fn build(&self, app: &mut App) {
+        shaders::embed(app);
+        app.add_systems(PreUpdate, camera::prepare_cameras)
+            .add_plugins((
+                extract::ExtractPlugin,
+                bridge::BridgePlugin,
+                caster::CasterPlugin,
+                apply::ApplyPlugin,
+            ));
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        use SunShadowPasses::{Apply, Bridge, DrawCasters, Plan};
+        render_app
+            .add_systems(
+                Render,
+                atlas::prepare_atlas
+                    .in_set(RenderSystems::PrepareViews)
+                    .before(caster::prepare::prepare_caster_views),
+            )
+            .configure_sets(
+                Core3d,
+                (Plan, DrawCasters, Apply, Bridge)
+                    .chain()
+                    .after(Core3dSystems::Prepass)
+                    .after(per_view_shadow_pass::<LATE_SHADOW_PASS>)
+                    .before(Core3dSystems::MainPass),
+            );
+    }
+}

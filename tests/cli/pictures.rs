@@ -13,7 +13,7 @@ use umbrage::{
 use crate::{glb, run_in, stderr};
 
 const SHOTS: &str = r#"{"shots":[
-    {"name":"front","position":[6,5,8],"target":[0,1,0],"light_dir":[1,-1,0.3],"far":60,"width":160,"height":90}
+    {"name":"front","position":[3.5,3.5,5],"target":[0,1,0],"light_dir":[1,-1,0.3],"far":60,"width":160,"height":90}
 ]}"#;
 
 fn rgb(path: &Path) -> RgbImage {
@@ -182,8 +182,8 @@ fn nodes_that_share_a_mesh_stay_instances() {
     let path = folder.path().join("field.glb");
     glb::write(&path, &field());
     let root = asset_root(None).expect("the crate has levels");
-    let mut app = headless::app(&root.assets()).expect("a graphics adapter: install mesa-vulkan-drivers");
-    app.add_plugins(LevelPlugin { root });
+    let mut app = headless::app(&root).expect("a graphics adapter: install mesa-vulkan-drivers");
+    app.add_plugins(LevelPlugin { assets: root });
     headless::finish(&mut app);
     let scene = path.to_str().expect("text").parse().expect("a scene");
     app.insert_resource(RequestedScene(Some(scene)));
@@ -209,7 +209,7 @@ fn nodes_that_share_a_mesh_stay_instances() {
 fn hundreds_of_instances_are_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     glb::write(&folder.path().join("field.glb"), &field());
-    fs::write(folder.path().join("shots.json"), SHOTS.replace("[6,5,8]", "[0,20,40]")).expect("written");
+    fs::write(folder.path().join("shots.json"), SHOTS.replace("[3.5,3.5,5]", "[0,20,40]")).expect("written");
     shoot(
         folder.path(),
         "shoot field.glb --shots shots.json --technique bevy --passes mask --size 160x90",

@@ -44,8 +44,8 @@ pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
         .transpose()
         .map_err(Failure::failed)?;
     pictures::make_folder(&args.out).map_err(Failure::Failed)?;
-    let mut app = headless::app(&root.assets()).map_err(Failure::failed)?;
-    app.add_plugins((LevelPlugin { root }, UmbragePlugins, MaskPlugin));
+    let mut app = headless::app(&root).map_err(Failure::failed)?;
+    app.add_plugins((LevelPlugin { assets: root }, UmbragePlugins, MaskPlugin));
     headless::finish(&mut app);
     let mut session = Session {
         stats: Stats::new(&app),
@@ -130,7 +130,11 @@ impl Session<'_> {
     fn shots_of(&mut self, scene: &str) -> Result<Vec<Shot>, Failure> {
         let all = match (&self.from_file, &self.args.shots) {
             (Some(shots), Some(file)) => of_file(shots, file, scene)?,
-            _ => self.app.world().resource::<LoadedScene>().shots.clone(),
+            _ => {
+                let loaded = self.app.world().resource::<LoadedScene>();
+                loaded.notes.iter().for_each(remark);
+                loaded.shots.clone()
+            }
         };
         let mut shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;
         let first = self.place;

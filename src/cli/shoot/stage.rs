@@ -17,7 +17,7 @@ use crate::{
         headless::{self, Pipelines},
         pass::Pass,
     },
-    level::shot::Shot,
+    level::{shot::Shot, spawn::sun_transform},
     render::{
         capture::{self, Texels},
         mask::ShadowMask,
@@ -99,10 +99,7 @@ impl Stage {
         }
         let camera = camera.id();
         if let Some(mut transform) = world.get_mut::<Transform>(sun) {
-            *transform = Transform::from_translation(transform.translation).looking_to(
-                Vec3::from(shot.light_dir).normalize_or(Vec3::NEG_Y),
-                Vec3::from(shot.up).normalize_or(Vec3::Y),
-            );
+            *transform = sun_transform(shot.light_dir.into());
         }
         Self {
             camera,

@@ -107,7 +107,7 @@ mod tests {
                 Just(SplitScheme::Uniform),
                 (0.0f32..=1.0).prop_map(|lambda| SplitScheme::Practical { lambda }),
                 Just(Partitions::default().scheme),
-                prop::collection::vec(0.1f32..1000.0, count as usize - 1).prop_map(|mut splits| {
+                prop::collection::vec(0.1f32..1000.0, count as usize - 1).prop_map(move |mut splits| {
                     splits.sort_by(f32::total_cmp);
                     splits.dedup();
                     if splits.is_empty() || splits.len() + 1 < count as usize { SplitScheme::Uniform } else { SplitScheme::Manual(splits) }

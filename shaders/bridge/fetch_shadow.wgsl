@@ -1,0 +1,28 @@
+
+// Added by Umbrage. The lookup above keeps its body under the name `fetch_directional_shadow_bevy`; this one takes its
+// place for lights whose last cascade is the layer of the shadow result (far bound beyond 1e8).
+fn fetch_directional_shadow(
+    light_id: u32,
+    frag_position: vec4<f32>,
+    surface_normal: vec3<f32>,
+    view_z: f32,
+    frag_coord_xy: vec2<f32>,
+) -> f32 {
+#ifdef DEPTH_PREPASS
+#ifndef MULTISAMPLED
+    let light = &view_bindings::lights.directional_lights[light_id];
+    let last = (*light).num_cascades - 1u;
+    if (*light).num_cascades > 0u && (*light).cascades[last].far_bound > 1.0e8 {
+        let pixel = vec2<i32>(frag_coord_xy);
+        // Fragments that are not the surface of the depth prepass (transparent ones) have no shadow result.
+        let prepass_ndc = textureLoad(view_bindings::depth_prepass_texture, pixel, 0);
+        let prepass_view_z = view_transformations::depth_ndc_to_view_z(prepass_ndc);
+        if abs(prepass_view_z - view_z) <= 0.01 * abs(prepass_view_z) {
+            let layer = i32((*light).depth_texture_base_index + last);
+            return textureLoad(view_bindings::directional_shadow_textures, pixel, layer, 0);
+        }
+    }
+#endif
+#endif
+    return fetch_directional_shadow_bevy(light_id, frag_position, surface_normal, view_z, frag_coord_xy);
+}

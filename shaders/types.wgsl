@@ -1,0 +1,77 @@
+// Structures shared by the passes; `src/render/gpu_types.rs` has their twins in the same order, and
+// `tests/shaders.rs` compares every offset.
+#define_import_path umbrage::types
+
+// One map: the light view that draws it and reads it.
+struct LightView {
+    // World to light clip space, reverse z, perspective along the warp axis only.
+    clip_from_world: mat4x4<f32>,
+    // Cell of the atlas in texels: x, y, width, height.
+    atlas_rect: vec4<f32>,
+    // Half-open interval of view depth that this map is meant for, in metres.
+    depth_range: vec2<f32>,
+    padding: vec2<f32>,
+}
+
+// Everything that the apply pass reads besides textures.
+struct ApplyParameters {
+    light_views: array<LightView, 16>,
+    // Unit vector towards the light, world space.
+    direction_to_light: vec3<f32>,
+    light_view_count: u32,
+    // View depth from which everything is lit, in metres.
+    shadow_distance: f32,
+    // SELECTION_*
+    selection: u32,
+    // FILTER_*
+    filter_kind: u32,
+    // BIAS_*
+    bias_kind: u32,
+    // Metres for BIAS_CONSTANT, factor for BIAS_FOOTPRINT.
+    bias_value: f32,
+    padding_a: f32,
+    padding_b: f32,
+    padding_c: f32,
+}
+
+const SELECTION_DEPTH: u32 = 0u;
+const SELECTION_BEST_RESOLUTION: u32 = 1u;
+const FILTER_HARD: u32 = 0u;
+const FILTER_PCF2: u32 = 1u;
+const BIAS_NONE: u32 = 0u;
+const BIAS_CONSTANT: u32 = 1u;
+const BIAS_FOOTPRINT: u32 = 2u;
+
+// One bin of the caster phase: instances that share mesh, material and pipeline.
+struct CasterBin {
+    // First instance in the mesh uniform buffer.
+    first_instance: u32,
+    instance_count: u32,
+    first_index: u32,
+    index_count: u32,
+    base_vertex: u32,
+    // 1: never culled (skinned, unbounded).
+    unbounded: u32,
+    padding_a: u32,
+    padding_b: u32,
+    // Local bounds of the mesh: center and half extents, metres.
+    center_local: vec4<f32>,
+    half_extents_local: vec4<f32>,
+}
+
+// One indirect draw, as the GPU reads it.
+struct DrawIndexedArguments {
+    index_count: u32,
+    instance_count: u32,
+    first_index: u32,
+    base_vertex: u32,
+    first_instance: u32,
+}
+
+struct CullParameters {
+    // Instances in all bins: the stride of one light view in `arguments` and `counts`.
+    instance_total: u32,
+    bin_count: u32,
+    light_view_count: u32,
+    padding: u32,
+}

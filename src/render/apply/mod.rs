@@ -1,0 +1,210 @@
+//! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result.
+
+use bevy::{
+    core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures, schedule::Core3d},
+    prelude::*,
+    render::{
+        Render, RenderApp, RenderStartup, RenderSystems,
+        camera::ExtractedCamera,
+        diagnostic::RecordDiagnostics,
+        render_resource::{
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
+            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, LoadOp,
+            Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
+            RenderPipelineDescriptor, ShaderStages, StoreOp, UniformBuffer,
+            binding_types::{texture_depth_2d, uniform_buffer},
+        },
+        renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        view::{ViewUniform, ViewUniformOffset, ViewUniforms},
+    },
+};
+
+use super::{
+    SunShadowPasses,
+    atlas::{RESULT_FORMAT, ShadowAtlas, ShadowResult},
+    extract::ExtractedSun,
+    gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
+    shaders,
+};
+use crate::shadow::settings::{PartitionSelection, ShadowBias, ShadowFilter};
+
+/// The apply pass.
+pub struct ApplyPlugin;
+
+impl Plugin for ApplyPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .add_systems(RenderStartup, init_apply_pipeline)
+            .add_systems(
+                Render,
+                prepare_parameters.in_set(RenderSystems::PrepareResources),
+            )
+            .add_systems(Core3d, apply_views.in_set(SunShadowPasses::Apply));
+    }
+}
+
+#[derive(Resource)]
+struct ApplyPipeline {
+    layout: BindGroupLayoutDescriptor,
+    id: CachedRenderPipelineId,
+}
+
+/// On a camera's render entity: the uniform of its apply pass.
+#[derive(Component)]
+pub struct ApplyUniform(UniformBuffer<ApplyParameters>);
+
+fn init_apply_pipeline(
+    mut commands: Commands,
+    cache: Res<PipelineCache>,
+    fullscreen: Res<FullscreenShader>,
+    server: Res<AssetServer>,
+) {
+    let layout = BindGroupLayoutDescriptor::new(
+        "umbrage_apply_views",
+        &BindGroupLayoutEntries::sequential(
+            ShaderStages::FRAGMENT,
+            (
+                uniform_buffer::<ViewUniform>(true),
+                uniform_buffer::<ApplyParameters>(false),
+                texture_depth_2d(),
+                texture_depth_2d(),
+            ),
+        ),
+    );
+    let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
+        label: Some("umbrage_apply_views".into()),
+        layout: vec![layout.clone()],
+        vertex: fullscreen.to_vertex_state(),
+        fragment: Some(FragmentState {
+            shader: shaders::load(&server, "apply/apply_views.wgsl"),
+            targets: vec![Some(ColorTargetState {
+                format: RESULT_FORMAT,
+                blend: None,
+                write_mask: ColorWrites::ALL,
+            })],
+            ..default()
+        }),
+        ..default()
+    });
+    commands.insert_resource(ApplyPipeline { layout, id });
+}
+
+/// What the shader reads, from the extracted sun and the atlas.
+pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParameters {
+    let mut light_views = [GpuLightView::default(); MAX_LIGHT_VIEWS];
+    for (index, (target, light_view)) in light_views.iter_mut().zip(&sun.light_views).enumerate() {
+        *target = GpuLightView {
+            clip_from_world: light_view.clip_from_world,
+            atlas_rect: atlas.rect(index as u32).as_vec4(),
+            depth_range: Vec2::new(light_view.near_depth, light_view.far_depth),
+            padding: Vec2::ZERO,
+        };
+    }
+    let (bias_kind, bias_value) = match sun.settings.bias {
+        ShadowBias::None => (0, 0.0),
+        ShadowBias::Constant { metres } => (1, metres),
+        ShadowBias::Footprint { scale } => (2, scale),
+    };
+    ApplyParameters {
+        light_views,
+        direction_to_light: sun.direction_to_light,
+        light_view_count: sun.light_views.len().min(MAX_LIGHT_VIEWS) as u32,
+        shadow_distance: sun.shadow_distance,
+        selection: match sun.settings.selection {
+            PartitionSelection::Depth => 0,
+            PartitionSelection::BestResolution => 1,
+        },
+        filter_kind: match sun.settings.filter {
+            ShadowFilter::Hard => 0,
+            ShadowFilter::Pcf2 => 1,
+        },
+        bias_kind,
+        bias_value,
+        padding_a: 0.0,
+        padding_b: 0.0,
+        padding_c: 0.0,
+    }
+}
+
+fn prepare_parameters(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    queue: Res<RenderQueue>,
+    mut cameras: Query<(
+        Entity,
+        &ExtractedSun,
+        &ShadowAtlas,
+        Option<&mut ApplyUniform>,
+    )>,
+) {
+    for (entity, sun, atlas, uniform) in &mut cameras {
+        let parameters = apply_parameters(sun, atlas);
+        if let Some(mut uniform) = uniform {
+            uniform.0.set(parameters);
+            uniform.0.write_buffer(&device, &queue);
+        } else {
+            let mut buffer = UniformBuffer::from(parameters);
+            buffer.write_buffer(&device, &queue);
+            commands.entity(entity).insert(ApplyUniform(buffer));
+        }
+    }
+}
+
+fn apply_views(
+    view: ViewQuery<(
+        &ExtractedCamera,
+        &ShadowAtlas,
+        &ShadowResult,
+        &ApplyUniform,
+        &ViewPrepassTextures,
+        &ViewUniformOffset,
+    )>,
+    pipeline: Res<ApplyPipeline>,
+    cache: Res<PipelineCache>,
+    view_uniforms: Res<ViewUniforms>,
+    mut ctx: RenderContext,
+) {
+    let (camera, atlas, result, uniform, prepass, view_offset) = view.into_inner();
+    let (Some(render_pipeline), Some(depth), Some(view_binding), Some(parameters)) = (
+        cache.get_render_pipeline(pipeline.id),
+        prepass.depth_view(),
+        view_uniforms.uniforms.binding(),
+        uniform.0.binding(),
+    ) else {
+        return;
+    };
+    let bind_group = ctx.render_device().create_bind_group(
+        "umbrage_apply_views",
+        &cache.get_bind_group_layout(&pipeline.layout),
+        &BindGroupEntries::sequential((view_binding, parameters, depth, &atlas.view)),
+    );
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("umbrage_apply_views"),
+        color_attachments: &[Some(RenderPassColorAttachment {
+            view: &result.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: Operations {
+                load: LoadOp::Clear(LinearRgba::WHITE.into()),
+                store: StoreOp::Store,
+            },
+        })],
+        depth_stencil_attachment: None,
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "umbrage_apply_views");
+    if let Some(viewport) = &camera.viewport {
+        pass.set_camera_viewport(viewport);
+    }
+    pass.set_render_pipeline(render_pipeline);
+    pass.set_bind_group(0, &bind_group, &[view_offset.offset]);
+    pass.draw(0..3, 0..1);
+    span.end(&mut pass);
+}

@@ -1,0 +1,36 @@
+//! The bridge into Bevy's lighting: materials stay unmodified.
+//!
+//! Bevy's lighting calls `fetch_directional_shadow` of the shader module `bevy_pbr::shadows`. The bridge renames that
+//! function and appends one of the same name that reads the shadow result from an extra layer of the sun's shadow
+//! map array (the main world gives the sun a last cascade with a far bound beyond 1e8, see
+//! [`shadow::full`](crate::shadow::full)). Fragments that are not in the depth prepass (transparent ones), multisampled
+//! cameras and all other lights take Bevy's own lookup.
+
+mod layer;
+pub mod patch;
+
+use bevy::{
+    core_pipeline::schedule::Core3d,
+    prelude::*,
+    render::{RenderApp, RenderStartup},
+};
+
+use super::SunShadowPasses;
+
+/// The bridge.
+pub struct BridgePlugin;
+
+impl Plugin for BridgePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(
+            PreUpdate,
+            patch::patch_shadow_module.after(bevy::asset::AssetTrackingSystems),
+        );
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .add_systems(RenderStartup, layer::init_layer_pipeline)
+            .add_systems(Core3d, layer::write_layer.in_set(SunShadowPasses::Bridge));
+    }
+}

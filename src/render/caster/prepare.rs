@@ -1,0 +1,192 @@
+//! Render views of the caster phase.
+
+use bevy::{
+    camera::{primitives::Frustum, visibility::RenderLayers},
+    ecs::entity::EntityHashMap,
+    math::primitives::ViewFrustum,
+    pbr::{LightEntity, ShadowView, ViewLightEntities},
+    platform::collections::HashSet,
+    prelude::*,
+    render::{
+        batching::gpu_preprocessing::GpuPreprocessingMode,
+        render_phase::ViewBinnedRenderPhases,
+        view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
+    },
+};
+
+use super::phase::{Caster, CollectBins};
+use crate::{
+    render::{
+        atlas::{ATLAS_FORMAT, ShadowAtlas},
+        extract::ExtractedSun,
+    },
+    shadow::views::LightView,
+};
+
+/// Subview number of the master view; Bevy's own cascades count from 0.
+const MASTER_SUBVIEW: u32 = 1000;
+
+/// On a camera's render entity: the views of its caster phase.
+#[derive(Component, Clone, Debug)]
+pub struct CasterViews {
+    /// Carries the phase.
+    pub master: Entity,
+    /// Key of the phase.
+    pub retained_master: RetainedViewEntity,
+    /// Key of Bevy's first cascade, whose caster set and pipelines the phase shares.
+    pub retained_cascade: RetainedViewEntity,
+    /// Render entity of the light.
+    pub light: Entity,
+    /// One render view per light view.
+    pub light_views: Vec<Entity>,
+    /// The phase was made in this frame: every visible caster has to be queued, not only new ones.
+    pub fresh: bool,
+}
+
+/// Keeps one master view and one render view per light view for every camera with a full-path sun.
+pub fn prepare_caster_views(
+    mut commands: Commands,
+    mut phases: ResMut<ViewBinnedRenderPhases<Caster>>,
+    mut cameras: Query<(
+        Entity,
+        &ExtractedSun,
+        &ShadowAtlas,
+        &mut ViewLightEntities,
+        Option<&CasterViews>,
+    )>,
+    cascades: Query<(&ExtractedView, &LightEntity, &RenderLayers)>,
+    mut owned: Local<EntityHashMap<CasterViews>>,
+) {
+    let mut live = HashSet::new();
+    let mut seen: Vec<Entity> = Vec::new();
+    for (camera, sun, atlas, mut lights, known) in &mut cameras {
+        let Some((cascade_entity, cascade, layers)) =
+            find_cascade(&lights, &cascades, sun.light, 0)
+        else {
+            continue;
+        };
+        let mut retained_master = cascade.retained_view_entity;
+        retained_master.subview_index = MASTER_SUBVIEW;
+        let mut views = match known {
+            Some(views) => views.clone(),
+            None => CasterViews {
+                master: commands.spawn_empty().id(),
+                retained_master,
+                retained_cascade: cascade.retained_view_entity,
+                light: sun.light,
+                light_views: Vec::new(),
+                fresh: true,
+            },
+        };
+        views.retained_master = retained_master;
+        views.retained_cascade = cascade.retained_view_entity;
+        views.light = sun.light;
+        views.fresh = !phases.contains_key(&retained_master);
+        for surplus in views
+            .light_views
+            .drain(sun.light_views.len().min(views.light_views.len())..)
+        {
+            commands.entity(surplus).despawn();
+        }
+        while views.light_views.len() < sun.light_views.len() {
+            views.light_views.push(commands.spawn_empty().id());
+        }
+
+        commands.entity(views.master).insert((
+            ExtractedView {
+                retained_view_entity: retained_master,
+                viewport: cascade.viewport,
+                world_from_view: cascade.world_from_view,
+                clip_from_view: cascade.clip_from_view,
+                clip_from_world: cascade.clip_from_world,
+                target_format: ATLAS_FORMAT,
+                color_grading: default(),
+                invert_culling: false,
+            },
+            Frustum(ViewFrustum::from_clip_from_world(
+                &cascade.clip_from_world.unwrap_or_default(),
+            )),
+            layers.clone(),
+            LightEntity::Directional {
+                light_entity: sun.light,
+                cascade_index: MASTER_SUBVIEW as usize,
+            },
+            NoIndirectDrawing,
+            CollectBins::default(),
+        ));
+        for (index, (entity, light_view)) in
+            views.light_views.iter().zip(&sun.light_views).enumerate()
+        {
+            let mut retained = retained_master;
+            retained.subview_index = MASTER_SUBVIEW + 1 + index as u32;
+            commands.entity(*entity).insert(render_view(
+                light_view,
+                atlas.rect(index as u32),
+                retained,
+            ));
+        }
+        // Bevy's preprocessing fills the mesh uniforms of all directional views in this list.
+        lights.lights.push(views.master);
+        phases.prepare_for_new_frame(retained_master, GpuPreprocessingMode::PreprocessingOnly);
+        live.insert(retained_master);
+        if !sun.settings.fallback_map {
+            commands.entity(cascade_entity).remove::<ShadowView>();
+        }
+        seen.push(camera);
+        owned.insert(camera, views.clone());
+        commands.entity(camera).insert(views);
+    }
+    let gone: Vec<Entity> = owned
+        .keys()
+        .copied()
+        .filter(|camera| !seen.contains(camera))
+        .collect();
+    for camera in gone {
+        if let Some(views) = owned.remove(&camera) {
+            for entity in views.light_views.into_iter().chain([views.master]) {
+                commands.entity(entity).despawn();
+            }
+        }
+        if let Ok(mut entity) = commands.get_entity(camera) {
+            entity.remove::<CasterViews>();
+        }
+    }
+    phases.retain(|view, _| live.contains(view));
+}
+
+/// Bevy's view of one cascade of a light, among the views of a camera.
+pub fn find_cascade<'a>(
+    lights: &ViewLightEntities,
+    cascades: &'a Query<(&ExtractedView, &LightEntity, &RenderLayers)>,
+    light: Entity,
+    index: usize,
+) -> Option<(Entity, &'a ExtractedView, &'a RenderLayers)> {
+    lights.lights.iter().find_map(|entity| {
+        let (view, kind, layers) = cascades.get(*entity).ok()?;
+        let LightEntity::Directional {
+            light_entity,
+            cascade_index,
+        } = kind
+        else {
+            return None;
+        };
+        (*light_entity == light && *cascade_index == index).then_some((*entity, view, layers))
+    })
+}
+
+fn render_view(
+    light_view: &LightView,
+    viewport: UVec4,
+    retained: RetainedViewEntity,
+) -> ExtractedView {
+    ExtractedView {
+        retained_view_entity: retained,
+        viewport,
+        world_from_view: GlobalTransform::from(light_view.world_from_light),
+        clip_from_view: light_view.clip_from_light,
+        clip_from_world: Some(light_view.clip_from_world),
+        target_format: ATLAS_FORMAT,
+        color_grading: default(),
+        invert_culling: false,
+    }
+}

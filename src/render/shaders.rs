@@ -1,0 +1,52 @@
+//! The only file that names shader files.
+
+use std::path::{Path, PathBuf};
+
+use bevy::{
+    asset::{AssetServer, io::embedded::EmbeddedAssetRegistry},
+    prelude::*,
+    shader::Shader,
+};
+
+/// Embeds one file of `shaders/` so that users of the crate have it and that the feature `dev` reloads it when saved.
+macro_rules! embed_shader {
+    ($registry:expr, $name:literal) => {
+        $registry.insert_asset(
+            PathBuf::from(concat!("shaders/", $name)),
+            Path::new(concat!("umbrage/", $name)),
+            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $name)).as_slice(),
+        )
+    };
+}
+
+/// Modules that others import: loaded once and kept for the life of the app.
+const LIBRARIES: [&str; 3] = ["types.wgsl", "spaces.wgsl", "bias.wgsl"];
+
+/// The lookup that [`bridge`](super::bridge) appends to Bevy's shadow module.
+pub(crate) const FETCH_SHADOW: &str = include_str!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/shaders/bridge/fetch_shadow.wgsl"
+));
+
+/// Keeps handles of shader libraries: a module that nobody holds is unloaded.
+#[derive(Resource)]
+struct ShaderLibraries(#[expect(dead_code, reason = "held, never read")] Vec<Handle<Shader>>);
+
+/// Makes all shader files loadable under `embedded://umbrage/…`.
+pub(crate) fn embed(app: &mut App) {
+    let registry = app.world_mut().resource_mut::<EmbeddedAssetRegistry>();
+    embed_shader!(registry, "types.wgsl");
+    embed_shader!(registry, "spaces.wgsl");
+    embed_shader!(registry, "bias.wgsl");
+    embed_shader!(registry, "apply/apply_views.wgsl");
+    embed_shader!(registry, "bridge/write_layer.wgsl");
+    embed_shader!(registry, "caster/cull_casters.wgsl");
+    let server = app.world().resource::<AssetServer>();
+    let handles = LIBRARIES.iter().map(|name| load(server, name)).collect();
+    app.insert_resource(ShaderLibraries(handles));
+}
+
+/// Handle of an embedded shader file.
+pub(crate) fn load(server: &AssetServer, name: &str) -> Handle<Shader> {
+    server.load(format!("embedded://umbrage/{name}"))
+}

@@ -1,0 +1,233 @@
+//! What reaches the picture: every path, renderer and kind of camera.
+
+use bevy::{
+    camera::RenderTarget,
+    core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
+    pbr::DefaultOpaqueRendererMethod,
+    prelude::*,
+    render::{
+        RenderApp,
+        render_resource::{CachedPipelineState, PipelineCache},
+    },
+};
+use umbrage::prelude::*;
+
+use crate::harness::{Harness, WARM_UP, add_target, eye};
+
+const SIZE: UVec2 = UVec2::new(160, 90);
+/// Straight enough that the shadow of the slab lies beside it on the ground.
+const LIGHT: Vec3 = Vec3::new(-0.6, -0.8, 0.0);
+/// On the ground: in the shadow of the slab (x −1..1, 3 m high), and beside it.
+const IN_SHADOW: Vec3 = Vec3::new(-2.25, 0.0, 0.0);
+const LIT: Vec3 = Vec3::new(2.5, 0.0, 0.0);
+
+fn ground_and_slab(harness: &mut Harness) {
+    let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
+    let plane = harness.mesh(Plane3d::default().mesh().size(60.0, 60.0));
+    let slab = harness.mesh(Cuboid::new(2.0, 0.2, 4.0));
+    let world = harness.app.world_mut();
+    world.spawn((Mesh3d(plane), MeshMaterial3d(material.clone())));
+    world.spawn((
+        Mesh3d(slab),
+        MeshMaterial3d(material),
+        Transform::from_xyz(0.0, 3.0, 0.0),
+    ));
+    world.insert_resource(GlobalAmbientLight {
+        brightness: 100.0,
+        ..default()
+    });
+}
+
+/// Mean of the three channels where a world point is seen.
+fn brightness(harness: &Harness, camera: Entity, target: &Handle<Image>, point: Vec3) -> f32 {
+    let world = harness.app.world();
+    let transform = world.get::<GlobalTransform>(camera).expect("a camera");
+    let projection = world.get::<Projection>(camera).expect("a camera");
+    let ndc =
+        (projection.get_clip_from_view() * transform.to_matrix().inverse()).project_point3(point);
+    let picture = umbrage::render::capture::read_image(&harness.app, target)
+        .expect("the picture can be read");
+    let x = ((ndc.x * 0.5 + 0.5) * picture.width as f32) as usize;
+    let y = ((0.5 - ndc.y * 0.5) * picture.height as f32) as usize;
+    let offset = (y * picture.width as usize + x) * 4;
+    picture.bytes[offset..offset + 3]
+        .iter()
+        .map(|channel| f32::from(*channel))
+        .sum::<f32>()
+        / 3.0
+}
+
+fn assert_shadow(harness: &Harness, camera: Entity, target: &Handle<Image>, what: &str) {
+    let (dark, bright) = (
+        brightness(harness, camera, target, IN_SHADOW),
+        brightness(harness, camera, target, LIT),
+    );
+    assert!(
+        bright > 60.0,
+        "{what}: the lit ground has brightness {bright}"
+    );
+    assert!(
+        dark < 0.6 * bright,
+        "{what}: {dark} in the shadow against {bright} beside it"
+    );
+}
+
+fn assert_pipelines_compiled(harness: &Harness) {
+    let cache = harness
+        .app
+        .sub_app(RenderApp)
+        .world()
+        .resource::<PipelineCache>();
+    for pipeline in cache.pipelines() {
+        if let CachedPipelineState::Err(error) = &pipeline.state {
+            panic!("a pipeline does not compile: {error}");
+        }
+    }
+}
+
+fn settings(technique: &str) -> SunShadows {
+    match technique.parse() {
+        Ok(Technique::Umbrage(settings)) => settings,
+        other => panic!("{technique} is no technique of Umbrage: {other:?}"),
+    }
+}
+
+#[test]
+fn both_paths_shadow_forward_and_deferred() {
+    for technique in ["zp4+lispsm:size=512", "zp2+lispsm:size=512,path=dropin"] {
+        for deferred in [false, true] {
+            let mut harness = Harness::new(SIZE, eye());
+            if deferred {
+                harness
+                    .app
+                    .insert_resource(DefaultOpaqueRendererMethod::deferred());
+                harness
+                    .app
+                    .world_mut()
+                    .entity_mut(harness.camera)
+                    .insert(DeferredPrepass);
+            }
+            ground_and_slab(&mut harness);
+            harness.sun(LIGHT, settings(technique));
+            harness.start();
+            assert_pipelines_compiled(&harness);
+            assert_shadow(
+                &harness,
+                harness.camera,
+                &harness.target,
+                &format!("{technique}, deferred {deferred}"),
+            );
+        }
+    }
+}
+
+#[test]
+fn two_cameras_and_an_orthographic_one() {
+    let mut harness = Harness::new(SIZE, eye());
+    ground_and_slab(&mut harness);
+    harness.sun(LIGHT, settings("zp3+lispsm:size=512"));
+    let second_target = add_target(&mut harness.app, UVec2::new(96, 96));
+    let second = harness
+        .app
+        .world_mut()
+        .spawn((
+            Camera3d::default(),
+            Camera {
+                order: 1,
+                ..default()
+            },
+            RenderTarget::Image(second_target.clone().into()),
+            Msaa::Off,
+            DepthPrepass,
+            Projection::Orthographic(OrthographicProjection {
+                near: 0.1,
+                far: 60.0,
+                scale: 0.12,
+                ..OrthographicProjection::default_3d()
+            }),
+            Transform::from_xyz(0.0, 20.0, 8.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ))
+        .id();
+    harness.start();
+    assert_shadow(&harness, harness.camera, &harness.target, "first camera");
+    assert_shadow(&harness, second, &second_target, "orthographic camera");
+}
+
+/// A glass pane over the shadow's edge: it has no shadow result of its own and takes the fallback map.
+#[test]
+fn transparent_receivers_take_the_fallback_map() {
+    let mut harness = Harness::new(SIZE, eye());
+    ground_and_slab(&mut harness);
+    let glass = harness.material(StandardMaterial {
+        base_color: Color::srgba(0.9, 0.9, 0.9, 0.9),
+        alpha_mode: AlphaMode::Blend,
+        ..default()
+    });
+    let pane = harness.mesh(Plane3d::default().mesh().size(8.0, 2.0));
+    // Half a metre over the ground, where the slab's shadow has moved a little.
+    harness.app.world_mut().spawn((
+        Mesh3d(pane),
+        MeshMaterial3d(glass),
+        Transform::from_xyz(0.0, 0.5, 0.0),
+    ));
+    harness.sun(LIGHT, settings("zp4+lispsm:size=512"));
+    harness.start();
+    let over = |x: f32| {
+        brightness(
+            &harness,
+            harness.camera,
+            &harness.target,
+            Vec3::new(x, 0.5, 0.0),
+        )
+    };
+    let (dark, bright) = (over(-1.9), over(2.5));
+    assert!(
+        dark < 0.7 * bright,
+        "{dark} on the pane in the shadow against {bright} beside it"
+    );
+}
+
+/// A sun whose settings change while running: each change shows in the next frames.
+#[test]
+fn techniques_switch_while_running() {
+    let mut harness = Harness::new(SIZE, eye());
+    ground_and_slab(&mut harness);
+    let sun = harness.sun(LIGHT, settings("lispsm:size=512"));
+    harness.start();
+    for technique in [
+        "zp4:size=256",
+        "zp2+lispsm:size=512,path=dropin",
+        "zp16+lispsm:size=128",
+        "uniform:size=512",
+    ] {
+        harness
+            .app
+            .world_mut()
+            .entity_mut(sun)
+            .insert(settings(technique));
+        harness.frames(WARM_UP);
+        assert_shadow(&harness, harness.camera, &harness.target, technique);
+    }
+    harness
+        .app
+        .world_mut()
+        .entity_mut(sun)
+        .remove::<SunShadows>();
+    harness.frames(WARM_UP);
+    assert_shadow(
+        &harness,
+        harness.camera,
+        &harness.target,
+        "Bevy's own cascades",
+    );
+}
+
+/// Nothing to see, nothing to cast: everything is lit and nothing fails.
+#[test]
+fn an_empty_scene_is_lit() {
+    let mut harness = Harness::new(SIZE, eye());
+    harness.sun(LIGHT, settings("zp4+lispsm:size=256"));
+    harness.start();
+    harness.frames(2);
+    assert_pipelines_compiled(&harness);
+}

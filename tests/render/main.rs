@@ -1,0 +1,6 @@
+//! Render tests: headless, on whatever Vulkan driver there is. Without one they fail and name the package to install.
+
+mod harness;
+mod identity;
+mod lighting;
+mod truth;
