@@ -15,6 +15,7 @@ use crate::{
 pub mod flight;
 mod hud;
 pub mod input;
+pub mod overlay;
 mod photo;
 pub mod player;
 pub mod screens;
@@ -98,6 +99,7 @@ impl Plugin for DemoPlugin {
                 player::plugin,
                 sun::plugin,
                 technique::plugin,
+                overlay::plugin,
                 photo::plugin,
                 hud::plugin,
             ));
