@@ -40,9 +40,7 @@ pub mod prelude {
         maths::{split::SplitScheme, warp::Warp},
         render::UmbragePlugins,
         shadow::{
-            settings::{
-                PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows,
-            },
+            settings::{Partitions, PartitionSelection, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
             technique::Technique,
         },
     };

@@ -52,6 +52,8 @@ pub enum Action {
     SunDown,
     /// While held: the mouse moves the sun instead of the view.
     SunDrag,
+    /// The next overlay.
+    NextOverlay,
     /// Save a picture.
     Photo,
     /// The next level of the list.
@@ -181,6 +183,7 @@ pub const ROWS: &[Row] = {
             "move the sun by mouse, while held",
             &[(Key(KeyCode::KeyL), SunDrag)],
         ),
+        playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
         playing("photo into out/", &[(Key(KeyCode::KeyP), Photo)]),
         playing("next level", &[(Key(KeyCode::KeyN), NextScene)]),
         Row {

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use bevy::prelude::*;
 
 use crate::{
-    level::{RequestedScene, scene::SceneSource},
+    level::{LevelSystems, LoadedScene, RequestedScene, scene::SceneSource},
     shadow::technique::Technique,
     ui,
 };
@@ -15,6 +15,7 @@ use crate::{
 pub mod flight;
 mod hud;
 pub mod input;
+pub mod overlay;
 mod photo;
 pub mod player;
 pub mod screens;
@@ -39,7 +40,7 @@ pub struct DemoPlugin {
     pub technique: Technique,
 }
 
-/// The order of the demo's systems in [`Update`].
+/// The order of the demo's systems in [`Update`]; they run while there is a scene.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DemoSystems {
     /// Intent becomes movement, settings, screens.
@@ -84,7 +85,13 @@ impl Plugin for DemoPlugin {
             .insert_resource(Scenes(self.scenes.clone()))
             .insert_resource(technique::Chosen(self.technique.clone()))
             .init_resource::<Verdict>()
-            .configure_sets(Update, (DemoSystems::Act, DemoSystems::Show).chain())
+            .configure_sets(
+                Update,
+                (DemoSystems::Act, DemoSystems::Show)
+                    .chain()
+                    .after(LevelSystems)
+                    .run_if(resource_exists::<LoadedScene>),
+            )
             .add_plugins((
                 ui::plugin,
                 screens::plugin,
@@ -92,6 +99,7 @@ impl Plugin for DemoPlugin {
                 player::plugin,
                 sun::plugin,
                 technique::plugin,
+                overlay::plugin,
                 photo::plugin,
                 hud::plugin,
             ));

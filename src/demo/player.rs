@@ -1,6 +1,9 @@
 //! The player: a walker that carries the camera.
 
-use bevy::{core_pipeline::tonemapping::Tonemapping, prelude::*};
+use bevy::{
+    core_pipeline::{prepass::DepthPrepass, tonemapping::Tonemapping},
+    prelude::*,
+};
 
 use super::{
     DemoSystems,
@@ -32,7 +35,10 @@ pub(super) fn player(scene: &LoadedScene) -> impl Bundle {
             far: 1000.0,
             ..default()
         }),
+        // What the full path needs.
         Msaa::Off,
+        DepthPrepass,
+        // Needs no look-up table.
         Tonemapping::AcesFitted,
     )
 }

@@ -7,12 +7,14 @@ use std::{
 };
 
 use bevy::{
-    app::AppExit, log::LogPlugin, prelude::*, window::WindowResolution, winit::WinitPlugin,
+    app::AppExit, dev_tools::render_debug::RenderDebugOverlayPlugin, log::LogPlugin, prelude::*,
+    window::WindowResolution, winit::WinitPlugin,
 };
 
 use super::{DemoPlugin, Verdict};
 use crate::{
-    level::{LevelPlugin, find::AssetRoot, scene::SceneSource},
+    level::{LevelPlugin, find::AssetRoot, loader, scene::SceneSource},
+    render::UmbragePlugins,
     shadow::technique::Technique,
 };
 
@@ -140,14 +142,19 @@ fn build(options: &PlayOptions) -> App {
             primary_window: Some(window),
             ..default()
         })
+        .set(loader::asset_plugin(&options.assets))
+        // It listens to F1 and F2.
+        .disable::<RenderDebugOverlayPlugin>()
         // The window system is asked first, so that nothing is logged twice when it says no.
         .add_after::<WinitPlugin>(LogPlugin::default());
     let mut app = App::new();
+    loader::register_sources(&mut app, &options.assets);
     app.add_plugins((
         defaults,
         LevelPlugin {
             assets: options.assets.clone(),
         },
+        UmbragePlugins,
         DemoPlugin {
             scene: options.scene.clone(),
             scenes: playable(&options.assets),

@@ -16,9 +16,9 @@ pub(crate) fn plugin(app: &mut App) {
     app.add_systems(Update, scale.run_if(resource_exists::<UiScale>));
 }
 
-const PANEL: Color = Color::srgba(0.03, 0.04, 0.06, 0.72);
+const PANEL: Color = Color::srgba(0.02, 0.025, 0.035, 0.88);
 const TEXT: Color = Color::srgb(0.93, 0.94, 0.95);
-const FAINT: Color = Color::srgb(0.68, 0.71, 0.75);
+const FAINT: Color = Color::srgb(0.74, 0.77, 0.81);
 const ACCENT: Color = Color::srgb(1.0, 0.82, 0.42);
 const WARNING: Color = Color::srgb(1.0, 0.55, 0.42);
 

@@ -85,6 +85,7 @@ impl Game {
             sun: SunSettings::default(),
             ground: Ground::flat(0.0),
             paths: vec![],
+            notes: vec![],
         };
         let old: Vec<Entity> = world
             .query_filtered::<Entity, With<Sun>>()

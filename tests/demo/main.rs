@@ -2,4 +2,5 @@
 
 mod game;
 mod keys;
+mod picture;
 mod screens;

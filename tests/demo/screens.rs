@@ -10,7 +10,7 @@ use umbrage::{
         player::Player,
         screens::{Activity, Screen},
     },
-    level::{RequestedScene, SceneStatus, scene::SceneSource},
+    level::{LoadedScene, RequestedScene, SceneStatus, scene::SceneSource},
     ui::{help::HelpRoot, hud::HudRoot, pause::PauseButton},
 };
 
@@ -217,6 +217,16 @@ fn n_goes_to_the_next_level_and_keeps_the_technique() {
     );
     game.seconds(0.4);
     assert!(game.hud().status.contains("city"), "{}", game.hud().status);
+}
+
+#[test]
+fn a_scene_that_is_loaded_again_while_playing_shows_the_loading_screen() {
+    let mut game = Game::playing();
+    game.0.world_mut().remove_resource::<LoadedScene>();
+    set_status(&mut game, SceneStatus::default());
+    assert_eq!(game.screen(), Screen::Loading);
+    game.finish_loading();
+    assert_eq!((game.screen(), game.count::<Player>()), (Screen::Play, 1));
 }
 
 #[test]

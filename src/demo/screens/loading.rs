@@ -13,10 +13,8 @@ use crate::{
 };
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(OnEnter(Screen::Loading), open).add_systems(
-        Update,
-        (leave, follow).chain().run_if(in_state(Screen::Loading)),
-    );
+    app.add_systems(OnEnter(Screen::Loading), open)
+        .add_systems(Update, (leave, follow).run_if(in_state(Screen::Loading)));
 }
 
 fn open(mut commands: Commands) {
@@ -28,13 +26,20 @@ fn open(mut commands: Commands) {
     commands.spawn((loading(), DespawnOnExit(Screen::Loading)));
 }
 
-fn leave(intent: Res<Intent>, verdict: Res<Verdict>, mut exit: MessageWriter<AppExit>) {
-    if intent.started(Action::TogglePause) {
-        exit.write(if verdict.failure().is_some() {
-            AppExit::error()
-        } else {
-            AppExit::Success
-        });
+fn leave(
+    intent: Res<Intent>,
+    status: Res<SceneStatus>,
+    verdict: Res<Verdict>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    if !intent.started(Action::TogglePause) {
+        return;
+    }
+    if let SceneStatus::Failed(sentence) = &*status {
+        verdict.fail(sentence);
+        exit.write(AppExit::error());
+    } else {
+        exit.write(AppExit::Success);
     }
 }
 
@@ -42,20 +47,12 @@ fn follow(
     requested: Res<RequestedScene>,
     status: Res<SceneStatus>,
     loaded: Option<Res<LoadedScene>>,
-    verdict: Res<Verdict>,
     mut progress: ResMut<Progress>,
     mut next: ResMut<NextState<Screen>>,
 ) {
-    let title = requested
-        .0
-        .as_ref()
-        .map_or_else(String::new, ToString::to_string);
-    let shown = progress_of(title, &status);
-    if let SceneStatus::Failed(sentence) = &*status {
-        verdict.fail(sentence);
-    }
-    progress.set_if_neq(shown);
-    if matches!(*status, SceneStatus::Ready) && loaded.is_some() {
+    let title = requested.0.as_ref().map_or_else(String::new, ToString::to_string);
+    progress.set_if_neq(progress_of(title, &status));
+    if *status == SceneStatus::Ready && loaded.is_some() {
         next.set(Screen::Play);
     }
 }
@@ -66,7 +63,7 @@ fn progress_of(title: String, status: &SceneStatus) -> Progress {
         SceneStatus::Idle => (None, String::new(), false),
         SceneStatus::Loading { done, total, what } => (
             (*total > 0).then(|| *done as f32 / *total as f32),
-            format!("{what} ({done} of {total})"),
+            what.clone(),
             false,
         ),
         SceneStatus::Ready => (Some(1.0), "ready".to_owned(), false),

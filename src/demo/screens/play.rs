@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::Screen;
 use crate::{
     demo::{
-        DemoSystems, Scenes,
+        DemoSystems, Notice, Scenes,
         input::{Action, Intent, ROWS},
         player::player,
     },
@@ -19,15 +19,26 @@ use crate::{
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(OnEnter(Screen::Play), open).add_systems(
         Update,
-        (toggle_help, next_scene)
-            .in_set(DemoSystems::Act)
+        (
+            (toggle_help, next_scene).in_set(DemoSystems::Act),
+            wait_for_scene.run_if(not(resource_exists::<LoadedScene>)),
+        )
             .run_if(in_state(Screen::Play)),
     );
 }
 
-fn open(mut commands: Commands, scene: Res<LoadedScene>) {
+fn open(mut commands: Commands, scene: Option<Res<LoadedScene>>, mut notice: ResMut<Notice>) {
+    let Some(scene) = scene else { return };
+    if !scene.notes.is_empty() {
+        notice.show(scene.notes.join("\n"));
+    }
     commands.spawn((player(&scene), DespawnOnExit(Screen::Play)));
     commands.spawn((hud(), DespawnOnExit(Screen::Play)));
+}
+
+/// A level file that changes while playing is loaded again.
+fn wait_for_scene(mut next: ResMut<NextState<Screen>>) {
+    next.set(Screen::Loading);
 }
 
 fn toggle_help(mut commands: Commands, intent: Res<Intent>, open: Query<Entity, With<HelpRoot>>) {

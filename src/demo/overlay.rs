@@ -1,0 +1,110 @@
+//! Overlays: what the shadow systems computed, as lines in the scene.
+
+use bevy::prelude::*;
+
+use super::{
+    DemoSystems,
+    hud::Notice,
+    input::{Action, Intent},
+    screens::Activity,
+};
+use crate::shadow::gizmos::SunShadowGizmos;
+
+/// The overlay that is shown.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overlay {
+    /// None.
+    #[default]
+    Off,
+    /// Intersection bodies.
+    Bodies,
+    /// Slices of the view frustum.
+    SplitFrusta,
+    /// Clip boxes of the light views.
+    LightViews,
+    /// All three.
+    All,
+}
+
+impl Overlay {
+    /// The one that follows.
+    #[must_use]
+    pub fn next(self) -> Self {
+        match self {
+            Self::Off => Self::Bodies,
+            Self::Bodies => Self::SplitFrusta,
+            Self::SplitFrusta => Self::LightViews,
+            Self::LightViews => Self::All,
+            Self::All => Self::Off,
+        }
+    }
+
+    /// Its name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Bodies => "intersection bodies",
+            Self::SplitFrusta => "split frusta",
+            Self::LightViews => "light views",
+            Self::All => "bodies, split frusta and light views",
+        }
+    }
+
+    /// The lines that show it; a partition's are red, yellow, green, blue in turn.
+    pub fn gizmos(self) -> SunShadowGizmos {
+        SunShadowGizmos {
+            camera: None,
+            bodies: matches!(self, Self::Bodies | Self::All),
+            split_frusta: matches!(self, Self::SplitFrusta | Self::All),
+            light_views: matches!(self, Self::LightViews | Self::All),
+        }
+    }
+}
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Overlay>().add_systems(
+        Update,
+        (
+            cycle.run_if(in_state(Activity::Running)),
+            show.run_if(resource_changed::<Overlay>.and_then(resource_exists::<GizmoConfigStore>)),
+        )
+            .chain()
+            .in_set(DemoSystems::Act),
+    );
+}
+
+fn cycle(intent: Res<Intent>, mut overlay: ResMut<Overlay>, mut notice: ResMut<Notice>) {
+    if intent.started(Action::NextOverlay) {
+        *overlay = overlay.next();
+        notice.show(format!("overlay {}", overlay.name()));
+    }
+}
+
+fn show(overlay: Res<Overlay>, mut store: ResMut<GizmoConfigStore>) {
+    let (config, gizmos) = store.config_mut::<SunShadowGizmos>();
+    config.enabled = *overlay != Overlay::Off;
+    *gizmos = overlay.gizmos();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overlays_come_round_and_differ() {
+        let mut overlay = Overlay::Off;
+        let mut seen = Vec::new();
+        loop {
+            let gizmos = overlay.gizmos();
+            let lines = (gizmos.bodies, gizmos.split_frusta, gizmos.light_views);
+            assert!(!seen.contains(&lines), "{overlay:?} shows nothing new");
+            assert!(overlay.name().is_ascii(), "the font has ASCII only");
+            seen.push(lines);
+            overlay = overlay.next();
+            if overlay == Overlay::Off {
+                break;
+            }
+        }
+        assert_eq!((seen.len(), seen[0]), (5, (false, false, false)));
+    }
+}
