@@ -62,10 +62,7 @@ pub const PAINTS: [Rgb; 8] = [
 impl Building {
     /// Extent along x and z in metres.
     pub fn plan(&self) -> (f32, f32) {
-        (
-            f32::from(self.width_dm) * 0.1,
-            f32::from(self.depth_dm) * 0.1,
-        )
+        (f32::from(self.width_dm) * 0.1, f32::from(self.depth_dm) * 0.1)
     }
 
     /// Height of the walls in metres; parapets and roofs come on top.
@@ -84,11 +81,7 @@ pub fn build(building: &Building) -> MeshData {
     // The outline of the plan is that of the piers; the core stands back.
     let relief = 0.35;
     let core = Vec3::new(width - 2.0 * relief, height + BASE, depth - 2.0 * relief);
-    mesh.push_box(
-        Vec3::Y * (0.5 * (height - BASE)),
-        core,
-        [0.045, 0.06, 0.075],
-    );
+    mesh.push_box(Vec3::Y * (0.5 * (height - BASE)), core, [0.045, 0.06, 0.075]);
     if !matches!(building.style, Style::Piers) {
         bands(&mut mesh, building, wall);
     }
@@ -96,8 +89,7 @@ pub fn build(building: &Building) -> MeshData {
         piers(&mut mesh, building, wall.map(|c| c * 0.93));
     }
     if matches!(building.style, Style::House) {
-        let tiles =
-            [[0.25, 0.09, 0.05], [0.12, 0.11, 0.11], [0.20, 0.12, 0.08]][rng.random_range(0..3)];
+        let tiles = [[0.25, 0.09, 0.05], [0.12, 0.11, 0.11], [0.20, 0.12, 0.08]][rng.random_range(0..3)];
         house_roof(&mut mesh, building, tiles, wall);
     } else {
         parapet(&mut mesh, building, wall);
@@ -123,11 +115,7 @@ fn bands(mesh: &mut MeshData, building: &Building, wall: Rgb) {
     for floor in 1..=building.floors {
         let top_of_glass = 0.8 + f32::from(floor - 1) * FLOOR + glass;
         let band = FLOOR - glass;
-        mesh.push_box(
-            Vec3::Y * (top_of_glass + 0.5 * band),
-            plan(band - 0.02),
-            wall,
-        );
+        mesh.push_box(Vec3::Y * (top_of_glass + 0.5 * band), plan(band - 0.02), wall);
     }
 }
 
@@ -170,11 +158,7 @@ fn piers(mesh: &mut MeshData, building: &Building, wall: Rgb) {
 /// Four low walls around a flat roof.
 fn parapet(mesh: &mut MeshData, building: &Building, wall: Rgb) {
     let (width, depth) = building.plan();
-    let (low, high, thick) = (
-        building.wall_height() - 0.3,
-        building.wall_height() + 0.9,
-        0.4,
-    );
+    let (low, high, thick) = (building.wall_height() - 0.3, building.wall_height() + 0.9, 0.4);
     let (y, size_y) = (0.5 * (low + high), high - low);
     let (out_x, out_z) = (0.5 * (width + 0.1), 0.5 * (depth + 0.1));
     for side in [-1.0, 1.0] {
@@ -204,11 +188,7 @@ fn roof_things(mesh: &mut MeshData, building: &Building, rng: &mut ChaCha8Rng) {
         )
     };
     let lift = place(2.0);
-    mesh.push_box(
-        lift + Vec3::Y * 1.3,
-        Vec3::new(3.6, 3.0, 3.2),
-        [0.36, 0.35, 0.33],
-    );
+    mesh.push_box(lift + Vec3::Y * 1.3, Vec3::new(3.6, 3.0, 3.2), [0.36, 0.35, 0.33]);
     for size in [1.4, 1.1, 1.7] {
         let at = place(0.5 * size);
         if (at - lift).abs().max_element() > 3.2 {
@@ -240,12 +220,7 @@ fn house_roof(mesh: &mut MeshData, building: &Building, tiles: Rgb, wall: Rgb) {
     let foot = building.wall_height() - 0.05;
     let rise = 0.38 * short;
     let mut roof = MeshData::default();
-    roof.push_gable(
-        Vec3::Y * foot,
-        Vec3::new(long + 0.8, rise, short + 1.0),
-        tiles,
-        wall,
-    );
+    roof.push_gable(Vec3::Y * foot, Vec3::new(long + 0.8, rise, short + 1.0), tiles, wall);
     let brick = [0.25, 0.1, 0.07];
     roof.push_box(
         Vec3::new(0.28 * long, foot + 0.8 * rise, 0.12 * short),
@@ -282,27 +257,9 @@ fn balconies(mesh: &mut MeshData, building: &Building) {
                 let (left, right) = (x - 0.5 * wide + 0.06, x + 0.5 * wide - 0.06);
                 let (near, far) = (face + side * 0.35, edge);
                 let y = y + 0.08;
-                push_railing(
-                    mesh,
-                    Vec3::new(left, y, near),
-                    Vec3::new(left, y, far),
-                    1.0,
-                    steel,
-                );
-                push_railing(
-                    mesh,
-                    Vec3::new(left, y, far),
-                    Vec3::new(right, y, far),
-                    1.0,
-                    steel,
-                );
-                push_railing(
-                    mesh,
-                    Vec3::new(right, y, far),
-                    Vec3::new(right, y, near),
-                    1.0,
-                    steel,
-                );
+                push_railing(mesh, Vec3::new(left, y, near), Vec3::new(left, y, far), 1.0, steel);
+                push_railing(mesh, Vec3::new(left, y, far), Vec3::new(right, y, far), 1.0, steel);
+                push_railing(mesh, Vec3::new(right, y, far), Vec3::new(right, y, near), 1.0, steel);
             }
         }
     }
@@ -315,13 +272,7 @@ mod tests {
 
     #[test]
     fn every_style_is_solid_and_has_its_size() {
-        for style in [
-            Style::Grid,
-            Style::Strips,
-            Style::Piers,
-            Style::Balconies,
-            Style::House,
-        ] {
+        for style in [Style::Grid, Style::Strips, Style::Piers, Style::Balconies, Style::House] {
             for (width_dm, depth_dm, floors) in [(140, 120, 5), (200, 260, 18), (90, 101, 2)] {
                 let building = Building {
                     width_dm,
@@ -335,10 +286,7 @@ mod tests {
                 let name = format!("{building:?}");
                 assert_solid(&mesh, &name);
                 let (min, max) = mesh.bounds().unwrap();
-                assert!(
-                    min.y < 0.0 && max.y > building.wall_height(),
-                    "{name}: {min} {max}"
-                );
+                assert!(min.y < 0.0 && max.y > building.wall_height(), "{name}: {min} {max}");
                 // Eaves and balconies reach over the plan, walls do not.
                 let over = (max.x - 0.5 * building.plan().0).max(max.z - 0.5 * building.plan().1);
                 assert!(over < 1.6, "{name}: {over}");
@@ -348,13 +296,7 @@ mod tests {
 
     #[test]
     fn no_two_faces_lie_on_each_other() {
-        for style in [
-            Style::Grid,
-            Style::Strips,
-            Style::Piers,
-            Style::Balconies,
-            Style::House,
-        ] {
+        for style in [Style::Grid, Style::Strips, Style::Piers, Style::Balconies, Style::House] {
             let building = Building {
                 width_dm: 146,
                 depth_dm: 121,

@@ -59,12 +59,7 @@ impl Block {
             (self.min, Vec2::X, Vec2::NEG_Y, size.x),
             (self.min.with_x(self.max.x), Vec2::Y, Vec2::X, size.y),
             (self.max, Vec2::NEG_X, Vec2::Y, size.x),
-            (
-                self.max.with_x(self.min.x),
-                Vec2::NEG_Y,
-                Vec2::NEG_X,
-                size.y,
-            ),
+            (self.max.with_x(self.min.x), Vec2::NEG_Y, Vec2::NEG_X, size.y),
         ]
     }
 }
@@ -114,11 +109,7 @@ pub fn generate(level: &Level, city: &City) -> Scenery {
     let outskirts = Terrain::new(&level.terrain, level.seed);
     let outside = |p: Vec2| p.abs().cmpgt(edge + 6.0).any();
     let thrown = scatter::scatter(&outskirts, &level.scatter, outside, level.seed);
-    placements.extend(
-        thrown
-            .iter()
-            .map(|thrown| forest::plant(&outskirts, thrown)),
-    );
+    placements.extend(thrown.iter().map(|thrown| forest::plant(&outskirts, thrown)));
     let blockers = placements.iter().filter_map(Placement::blocker).collect();
     Scenery {
         statics,
@@ -172,18 +163,9 @@ fn ground_tiles(level: &Level, edge: Vec2) -> Vec<Static> {
     let tile = 10;
     let half = level.terrain.size.max(edge * 2.0) * 0.5;
     let count = [half.x, half.y].map(|side| (2.0 * side / cell).ceil() as i32);
-    let at = |i: i32, j: i32| {
-        Vec2::new(
-            i as f32 - 0.5 * count[0] as f32,
-            j as f32 - 0.5 * count[1] as f32,
-        ) * cell
-    };
+    let at = |i: i32, j: i32| Vec2::new(i as f32 - 0.5 * count[0] as f32, j as f32 - 0.5 * count[1] as f32) * cell;
     let color = |p: Vec2| {
-        let base = if p.abs().cmplt(edge).all() {
-            ASPHALT
-        } else {
-            GRASS
-        };
+        let base = if p.abs().cmplt(edge).all() { ASPHALT } else { GRASS };
         let light = 1.0 + 0.14 * noise::octaves(level.seed as u32, p / 23.0, 3);
         base.map(|c| c * light)
     };
@@ -209,10 +191,7 @@ fn ground_tiles(level: &Level, edge: Vec2) -> Vec<Static> {
                     mesh.indices.extend([a, c, d, a, d, b]);
                 }
             }
-            tiles.push(Static {
-                name: "ground",
-                mesh,
-            });
+            tiles.push(Static { name: "ground", mesh });
         }
     }
     tiles
@@ -237,10 +216,7 @@ fn slab(block: &Block, city: &City) -> Static {
         Land::Built(t) if t > SUBURB => layer(city.pavement, KERB + 0.03, GRASS),
         Land::Built(_) | Land::Tower => {}
     }
-    Static {
-        name: "block",
-        mesh,
-    }
+    Static { name: "block", mesh }
 }
 
 /// Dashes in the middle of streets and zebra stripes across the avenues' crossing.
@@ -252,15 +228,9 @@ fn markings(xs: &[(f32, f32)], zs: &[(f32, f32)]) -> Vec<Static> {
             let mut mesh = MeshData::default();
             let mut mark = |at: f32, off: f32, length: f32, width: f32| {
                 let (center, size) = if along_x {
-                    (
-                        Vec3::new(at, 0.0, middle + off),
-                        Vec3::new(length, 0.03, width),
-                    )
+                    (Vec3::new(at, 0.0, middle + off), Vec3::new(length, 0.03, width))
                 } else {
-                    (
-                        Vec3::new(middle + off, 0.0, at),
-                        Vec3::new(width, 0.03, length),
-                    )
+                    (Vec3::new(middle + off, 0.0, at), Vec3::new(width, 0.03, length))
                 };
                 mesh.push_box(center, size, MARKING);
             };
@@ -275,10 +245,7 @@ fn markings(xs: &[(f32, f32)], zs: &[(f32, f32)]) -> Vec<Static> {
                     mark(block.0 + 2.2, off, 2.8, 0.5);
                 }
             }
-            statics.push(Static {
-                name: "markings",
-                mesh,
-            });
+            statics.push(Static { name: "markings", mesh });
         }
     }
     statics
@@ -290,21 +257,11 @@ const SUBURB: f32 = 0.72;
 const CENTRE: f32 = 0.42;
 
 /// Two rows of buildings along the longer axis of a block.
-fn buildings_of(
-    rng: &mut ChaCha8Rng,
-    city: &City,
-    block: &Block,
-    t: f32,
-    placements: &mut Vec<Placement>,
-) {
+fn buildings_of(rng: &mut ChaCha8Rng, city: &City, block: &Block, t: f32, placements: &mut Vec<Placement>) {
     let inset = city.pavement + if t > SUBURB { 1.5 } else { 0.0 };
     let (min, size) = (block.min + inset, block.size() - 2.0 * inset);
     let along_x = size.x >= size.y;
-    let (long, short) = if along_x {
-        (size.x, size.y)
-    } else {
-        (size.y, size.x)
-    };
+    let (long, short) = if along_x { (size.x, size.y) } else { (size.y, size.x) };
     let lot = if t > SUBURB { 13.0 } else { 17.0 };
     for row in 0..2 {
         let lots = (long / lot).round().max(1.0) as u32;
@@ -322,11 +279,7 @@ fn buildings_of(
             let depth = 0.5 * short * rng.random_range(0.72..0.88);
             let (floors, style) = storeys(rng, city, t);
             // Façades stand on the pavement's edge.
-            let across = if row == 0 {
-                0.5 * depth
-            } else {
-                short - 0.5 * depth
-            };
+            let across = if row == 0 { 0.5 * depth } else { short - 0.5 * depth };
             let middle = 0.5 * (pair[0] + pair[1]);
             let (offset, plan) = if along_x {
                 (Vec2::new(middle, across), (width, depth))
@@ -364,12 +317,7 @@ fn storeys(rng: &mut ChaCha8Rng, city: &City, t: f32) -> (u16, Style) {
         (
             0.18,
             0.36,
-            &[
-                Style::Grid,
-                Style::Balconies,
-                Style::Balconies,
-                Style::Strips,
-            ],
+            &[Style::Grid, Style::Balconies, Style::Balconies, Style::Strips],
         )
     } else {
         (
@@ -392,8 +340,7 @@ fn tower_square(city: &City, block: &Block, placements: &mut Vec<Placement>) {
     let tower = Model::LatticeTower(city.tower_height.round() as u32);
     placements.push(Placement::upright(tower, on_pavement(middle), 0.0));
     for (_, along, out, length) in block.sides() {
-        let edge =
-            middle + out * (0.5 * (block.size() * out.abs()).max_element() - city.pavement - 2.0);
+        let edge = middle + out * (0.5 * (block.size() * out.abs()).max_element() - city.pavement - 2.0);
         for k in [-0.3, -0.1, 0.1, 0.3] {
             placements.push(Placement::upright(
                 Model::Bench,
@@ -416,13 +363,7 @@ fn tower_square(city: &City, block: &Block, placements: &mut Vec<Placement>) {
 }
 
 /// A lawn with trees, bushes and benches behind a thin railing.
-fn park(
-    rng: &mut ChaCha8Rng,
-    city: &City,
-    block: &Block,
-    placements: &mut Vec<Placement>,
-    statics: &mut Vec<Static>,
-) {
+fn park(rng: &mut ChaCha8Rng, city: &City, block: &Block, placements: &mut Vec<Placement>, statics: &mut Vec<Static>) {
     let half = block.size() * 0.5 - city.pavement;
     let mut trees: Vec<Vec2> = Vec::new();
     for _ in 0..400 {
@@ -444,17 +385,11 @@ fn park(
     }
     let mut railing = MeshData::default();
     for (_, along, out, _) in block.sides() {
-        let (reach, side) = (
-            (half * out.abs()).max_element(),
-            (half * along.abs()).max_element(),
-        );
+        let (reach, side) = ((half * out.abs()).max_element(), (half * along.abs()).max_element());
         let edge = block.middle() + out * (reach - 0.4);
         // An entrance in the middle of each side.
         for part in [-1.0, 1.0] {
-            let (from, to) = (
-                edge + along * (part * 2.0),
-                edge + along * (part * (side - 0.4)),
-            );
+            let (from, to) = (edge + along * (part * 2.0), edge + along * (part * (side - 0.4)));
             props::push_railing(
                 &mut railing,
                 on_pavement(from),
@@ -463,11 +398,7 @@ fn park(
                 [0.05, 0.06, 0.055],
             );
             let bench = block.middle() + out * (reach - 2.2) + along * (part * 5.0);
-            placements.push(Placement::upright(
-                Model::Bench,
-                on_pavement(bench),
-                facing(-out),
-            ));
+            placements.push(Placement::upright(Model::Bench, on_pavement(bench), facing(-out)));
         }
     }
     statics.push(Static {
@@ -483,11 +414,7 @@ fn furniture(rng: &mut ChaCha8Rng, block: &Block, placements: &mut Vec<Placement
         for i in 0..lamps as u32 {
             let at = (i as f32 + 0.5) / lamps * length;
             let p = corner + along * at - out * 0.5;
-            placements.push(Placement::upright(
-                Model::Lamp,
-                on_pavement(p),
-                pointing(out),
-            ));
+            placements.push(Placement::upright(Model::Lamp, on_pavement(p), pointing(out)));
         }
         if rng.random_bool(0.45) {
             continue;
@@ -495,8 +422,7 @@ fn furniture(rng: &mut ChaCha8Rng, block: &Block, placements: &mut Vec<Placement
         let trees = (length / 8.0).floor() as u32;
         for i in 0..trees {
             let at = (i as f32 + 0.5) / trees as f32 * length;
-            let near_lamp =
-                (0..lamps as u32).any(|k| ((k as f32 + 0.5) / lamps * length - at).abs() < 1.5);
+            let near_lamp = (0..lamps as u32).any(|k| ((k as f32 + 0.5) / lamps * length - at).abs() < 1.5);
             if near_lamp {
                 continue;
             }
@@ -525,12 +451,7 @@ fn parking(block: &Block) -> Vec<(Vec2, Vec2)> {
     slots
 }
 
-fn park_cars(
-    rng: &mut ChaCha8Rng,
-    city: &City,
-    mut slots: Vec<(Vec2, Vec2)>,
-    placements: &mut Vec<Placement>,
-) {
+fn park_cars(rng: &mut ChaCha8Rng, city: &City, mut slots: Vec<(Vec2, Vec2)>, placements: &mut Vec<Placement>) {
     for _ in 0..city.cars {
         if slots.is_empty() {
             return;

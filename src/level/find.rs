@@ -53,11 +53,7 @@ pub fn asset_root(cli: Option<&Path>) -> Result<AssetRoot, FindError> {
     let beside = env::current_exe()
         .ok()
         .and_then(|exe| exe.parent().map(Path::to_path_buf));
-    let places = [
-        env::current_dir().ok(),
-        beside,
-        Some(env!("CARGO_MANIFEST_DIR").into()),
-    ];
+    let places = [env::current_dir().ok(), beside, Some(env!("CARGO_MANIFEST_DIR").into())];
     asset_root_among(cli, env::var_os(VARIABLE), places.into_iter().flatten())
 }
 
@@ -67,9 +63,7 @@ fn asset_root_among(
     variable: Option<OsString>,
     places: impl IntoIterator<Item = PathBuf>,
 ) -> Result<AssetRoot, FindError> {
-    let variable = variable
-        .filter(|value| !value.is_empty())
-        .map(PathBuf::from);
+    let variable = variable.filter(|value| !value.is_empty()).map(PathBuf::from);
     for (origin, path) in [("--assets", cli), (VARIABLE, variable.as_deref())] {
         if let Some(path) = path {
             return root_at(path).unwrap_or_else(|| {
@@ -148,11 +142,7 @@ mod tests {
 
     #[test]
     fn the_order_is_cli_variable_places() {
-        let (a, b, c) = (
-            folder_with_levels(),
-            folder_with_levels(),
-            folder_with_levels(),
-        );
+        let (a, b, c) = (folder_with_levels(), folder_with_levels(), folder_with_levels());
         let none = tempfile::tempdir().unwrap();
         let places = || vec![none.path().to_path_buf(), c.path().to_path_buf()];
         let variable = || Some(b.path().as_os_str().to_owned());
@@ -173,27 +163,11 @@ mod tests {
         let places = [some.path().to_path_buf()];
         let error = asset_root_among(Some(none.path()), None, places.clone()).unwrap_err();
         assert!(
-            matches!(
-                error,
-                FindError::NoLevels {
-                    origin: "--assets",
-                    ..
-                }
-            ),
+            matches!(error, FindError::NoLevels { origin: "--assets", .. }),
             "{error}"
         );
-        let error =
-            asset_root_among(None, Some(none.path().as_os_str().to_owned()), places).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                FindError::NoLevels {
-                    origin: VARIABLE,
-                    ..
-                }
-            ),
-            "{error}"
-        );
+        let error = asset_root_among(None, Some(none.path().as_os_str().to_owned()), places).unwrap_err();
+        assert!(matches!(error, FindError::NoLevels { origin: VARIABLE, .. }), "{error}");
         assert_eq!(
             asset_root_among(None, None, [none.path().to_path_buf()]),
             Err(FindError::Nowhere)

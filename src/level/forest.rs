@@ -21,22 +21,11 @@ pub fn generate(level: &Level, forest: &Forest) -> Scenery {
     let statics = terrain
         .tiles()
         .into_iter()
-        .map(|mesh| Static {
-            name: "terrain",
-            mesh,
-        })
+        .map(|mesh| Static { name: "terrain", mesh })
         .collect();
-    let away_from_huts = |p: Vec2| {
-        forest
-            .huts
-            .iter()
-            .all(|hut| p.distance(hut.position) > HUT_FREE)
-    };
+    let away_from_huts = |p: Vec2| forest.huts.iter().all(|hut| p.distance(hut.position) > HUT_FREE);
     let thrown = scatter::scatter(&terrain, &level.scatter, away_from_huts, level.seed);
-    let mut placements: Vec<Placement> = thrown
-        .iter()
-        .map(|thrown| plant(&terrain, thrown))
-        .collect();
+    let mut placements: Vec<Placement> = thrown.iter().map(|thrown| plant(&terrain, thrown)).collect();
     placements.extend(forest.huts.iter().map(|site| hut(&terrain, site)));
     for (track, shape) in terrain.tracks().iter().zip(&level.terrain.tracks) {
         if let Some(fence) = shape.fence {
@@ -71,13 +60,7 @@ pub fn plant(terrain: &Terrain, thrown: &Thrown) -> Placement {
 
 /// A hut on the highest ground under it.
 fn hut(terrain: &Terrain, site: &HutSite) -> Placement {
-    let around = [
-        (0.0, 0.0),
-        (-2.5, -2.5),
-        (2.5, -2.5),
-        (-2.5, 2.5),
-        (2.5, 2.5),
-    ];
+    let around = [(0.0, 0.0), (-2.5, -2.5), (2.5, -2.5), (-2.5, 2.5), (2.5, 2.5)];
     let height = around
         .iter()
         .map(|(x, z)| terrain.height(site.position + Vec2::new(*x, *z)))

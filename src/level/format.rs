@@ -228,10 +228,7 @@ pub enum Species {
 impl Species {
     /// True for the species that count as trees and keep clearings free.
     pub fn is_tree(self) -> bool {
-        matches!(
-            self,
-            Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree
-        )
+        matches!(self, Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree)
     }
 }
 
@@ -275,7 +272,7 @@ pub struct SunSettings {
 }
 
 impl Default for SunSettings {
-    /// A sun at 45° from the side, and shadows at 15 % of its light.
+    /// A sun at 45° from the side, and shadows at 20 % of its light.
     fn default() -> Self {
         Self {
             light_dir: Vec3::new(-0.5, -std::f32::consts::FRAC_1_SQRT_2, -0.5),
@@ -283,7 +280,7 @@ impl Default for SunSettings {
             color: Vec3::new(1.0, 0.95, 0.87),
             sky: Vec3::new(0.35, 0.55, 0.85),
             ambient_color: Vec3::new(0.75, 0.85, 1.0),
-            ambient: 480.0,
+            ambient: 640.0,
         }
     }
 }
@@ -376,13 +373,7 @@ impl CameraPath {
             (pick(to) - pick(from)) / (to.time - from.time) * span
         };
         let curve = |pick: fn(PathKey) -> Vec3| {
-            hermite(
-                pick(a),
-                tangent(before, b, pick),
-                pick(b),
-                tangent(a, beyond, pick),
-                t,
-            )
+            hermite(pick(a), tangent(before, b, pick), pick(b), tangent(a, beyond, pick), t)
         };
         Some((curve(|key| key.position), curve(|key| key.target)))
     }
@@ -452,10 +443,7 @@ mod tests {
         for step in 0..=30 {
             let seconds = step as f32 * 0.1;
             let (position, _) = path().sample(seconds).unwrap();
-            assert!(
-                (position.x - 2.0 * seconds).abs() < 1e-4,
-                "{seconds} s: {position}"
-            );
+            assert!((position.x - 2.0 * seconds).abs() < 1e-4, "{seconds} s: {position}");
         }
     }
 

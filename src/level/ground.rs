@@ -124,10 +124,7 @@ impl Blocker {
 
 /// Grid cells that a rectangle touches.
 fn cells(min: Vec2, max: Vec2) -> impl Iterator<Item = [i32; 2]> {
-    let (low, high) = (
-        (min / GRID).floor().as_ivec2(),
-        (max / GRID).floor().as_ivec2(),
-    );
+    let (low, high) = ((min / GRID).floor().as_ivec2(), (max / GRID).floor().as_ivec2());
     (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| [x, y]))
 }
 
@@ -247,11 +244,7 @@ mod tests {
         assert_eq!(ground.push_out(free, 0.3, 1.8), free);
         let above = Vec3::new(20.2, 3.5, 5.0);
         assert_eq!(ground.push_out(above, 0.3, 1.8), above);
-        assert!(
-            ground
-                .push_out(Vec3::new(20.0, 0.0, 5.0), 0.3, 1.8)
-                .is_finite()
-        );
+        assert!(ground.push_out(Vec3::new(20.0, 0.0, 5.0), 0.3, 1.8).is_finite());
     }
 
     #[test]

@@ -192,11 +192,7 @@ pub(super) fn advance_level(
     mut status: ResMut<SceneStatus>,
 ) {
     let next = match &mut *job {
-        Job::File {
-            handle,
-            name,
-            settings,
-        } => match server.load_state(&*handle) {
+        Job::File { handle, name, settings } => match server.load_state(&*handle) {
             LoadState::Failed(error) => Err(one_sentence(&error)),
             _ => match levels.get(&*handle) {
                 None => return,
@@ -211,10 +207,7 @@ pub(super) fn advance_level(
         } => match check_ready(task) {
             None => {
                 let done = progress.load(Ordering::Relaxed);
-                status.set_if_neq(loading(
-                    done.max(BUILD_AT),
-                    format!("Building {}", level.name),
-                ));
+                status.set_if_neq(loading(done.max(BUILD_AT), format!("Building {}", level.name)));
                 return;
             }
             Some(prepared) => {
@@ -233,9 +226,7 @@ pub(super) fn advance_level(
         },
         Job::Spawn(spawn) => {
             let end = (spawn.next + SPAWN_BATCH).min(spawn.placements.len());
-            spawn
-                .palette
-                .spawn(&mut commands, &spawn.placements[spawn.next..end]);
+            spawn.palette.spawn(&mut commands, &spawn.placements[spawn.next..end]);
             spawn.next = end;
             if end < spawn.placements.len() {
                 let share = end as f32 / spawn.placements.len() as f32;
@@ -270,9 +261,7 @@ fn build(
         ));
     }
     for (key, value) in settings {
-        level
-            .set(key, value)
-            .map_err(|error| format!("{name}: {error}"))?;
+        level.set(key, value).map_err(|error| format!("{name}: {error}"))?;
     }
     let progress = Arc::new(AtomicU32::new(BUILD_AT));
     let task = {
@@ -308,12 +297,10 @@ fn loaded(level: &Level, ground: Ground) -> LoadedScene {
 /// What went wrong, without Bevy's wrapping where the error is ours, and always on one line.
 pub(super) fn one_sentence(error: &AssetLoadError) -> String {
     let text = match error {
-        AssetLoadError::AssetLoaderError(error) => {
-            match error.error().downcast_ref::<LevelLoadError>() {
-                Some(own) => own.to_string(),
-                None => format!("{}: {}", error.path(), error.error()),
-            }
-        }
+        AssetLoadError::AssetLoaderError(error) => match error.error().downcast_ref::<LevelLoadError>() {
+            Some(own) => own.to_string(),
+            None => format!("{}: {}", error.path(), error.error()),
+        },
         other => other.to_string(),
     };
     text.lines().next().unwrap_or("unknown error").to_string()

@@ -27,11 +27,7 @@ pub(super) enum GltfJob {
         name: String,
     },
     /// Waiting for its entities.
-    Instance {
-        root: Entity,
-        file: String,
-        name: String,
-    },
+    Instance { root: Entity, file: String, name: String },
 }
 
 /// On the root of a glTF scene whose entities are all there.
@@ -49,11 +45,7 @@ impl GltfJob {
                 .with_settings(settings)
                 .load(AssetPath::from_path_buf(absolute)),
             file: path.display().to_string(),
-            name: path
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         }
     }
 }
@@ -75,13 +67,8 @@ pub(super) fn advance_gltf(
         GltfJob::File { handle, file, name } => {
             let load_state = server.load_state(&*handle);
             let all = server.recursive_dependency_load_state(&*handle);
-            match (
-                load_state,
-                all,
-                files.as_ref().and_then(|files| files.get(&*handle)),
-            ) {
-                (LoadState::Failed(error), ..)
-                | (_, RecursiveDependencyLoadState::Failed(error), _) => {
+            match (load_state, all, files.as_ref().and_then(|files| files.get(&*handle))) {
+                (LoadState::Failed(error), ..) | (_, RecursiveDependencyLoadState::Failed(error), _) => {
                     Err(format!("cannot load {file}: {}", one_sentence(&error)))
                 }
                 (_, RecursiveDependencyLoadState::Loaded, Some(gltf)) => {
@@ -89,11 +76,7 @@ pub(super) fn advance_gltf(
                         None => Err(format!("{file} holds no scene: export one that has nodes")),
                         Some(scene) => {
                             let root = commands
-                                .spawn((
-                                    WorldAssetRoot(scene.clone()),
-                                    Name::new(name.clone()),
-                                    LevelEntity,
-                                ))
+                                .spawn((WorldAssetRoot(scene.clone()), Name::new(name.clone()), LevelEntity))
                                 .observe(|ready: On<WorldInstanceReady>, mut commands: Commands| {
                                     commands.entity(ready.entity).insert(Instanced);
                                 })
@@ -217,25 +200,16 @@ mod tests {
     fn the_made_up_shot_sees_all_corners() {
         for (min, max) in [
             (Vec3::splat(-1.0), Vec3::ONE),
-            (
-                Vec3::new(-200.0, 0.0, -200.0),
-                Vec3::new(200.0, 30.0, 200.0),
-            ),
+            (Vec3::new(-200.0, 0.0, -200.0), Vec3::new(200.0, 30.0, 200.0)),
             (Vec3::new(5.0, 5.0, 5.0), Vec3::new(5.01, 9.0, 5.02)),
         ] {
             let shot = framing_shot("x", min, max);
-            let view = Transform::from_translation(shot.position.into())
-                .looking_at(shot.target.into(), Vec3::Y);
-            let clip_from_view =
-                Mat4::perspective_rh(shot.fov_y_deg.to_radians(), 16.0 / 9.0, shot.near, shot.far);
+            let view = Transform::from_translation(shot.position.into()).looking_at(shot.target.into(), Vec3::Y);
+            let clip_from_view = Mat4::perspective_rh(shot.fov_y_deg.to_radians(), 16.0 / 9.0, shot.near, shot.far);
             let clip_from_world = clip_from_view * view.to_matrix().inverse();
             for corner in 0..8 {
                 let pick = |axis: usize| {
-                    if corner >> axis & 1 == 0 {
-                        min[axis]
-                    } else {
-                        max[axis]
-                    }
+                    if corner >> axis & 1 == 0 { min[axis] } else { max[axis] }
                 };
                 let p = clip_from_world.project_point3(Vec3::new(pick(0), pick(1), pick(2)));
                 assert!(

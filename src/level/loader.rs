@@ -1,10 +1,7 @@
 //! `.level.ron` files as Bevy assets, and where Bevy looks for them.
 
 use bevy::{
-    asset::{
-        AssetLoader, AssetMetaCheck, LoadContext, UnapprovedPathMode, io::AssetSourceBuilder,
-        io::Reader,
-    },
+    asset::{AssetLoader, AssetMetaCheck, LoadContext, UnapprovedPathMode, io::AssetSourceBuilder, io::Reader},
     prelude::*,
 };
 
@@ -58,14 +55,8 @@ impl AssetLoader for LevelLoader {
         reader
             .read_to_end(&mut bytes)
             .await
-            .map_err(|source| LevelLoadError::Read {
-                file: file(),
-                source,
-            })?;
-        let level = parse::parse(&bytes).map_err(|source| LevelLoadError::Level {
-            file: file(),
-            source,
-        })?;
+            .map_err(|source| LevelLoadError::Read { file: file(), source })?;
+        let level = parse::parse(&bytes).map_err(|source| LevelLoadError::Level { file: file(), source })?;
         Ok(LevelAsset(level))
     }
 

@@ -71,30 +71,16 @@ impl MeshData {
         if normal == Vec3::ZERO {
             return;
         }
-        let [a, b, c, d] =
-            corners.map(|corner| self.push_vertex(corner, normal, color, Vec2::ZERO));
+        let [a, b, c, d] = corners.map(|corner| self.push_vertex(corner, normal, color, Vec2::ZERO));
         self.indices.extend([a, b, c, a, c, d]);
     }
 
     /// Adds a textured card whose vertices all have the given normal; seen from both sides, it casts like a solid
     /// only with a double-sided material.
-    pub fn push_card(
-        &mut self,
-        center: Vec3,
-        half_right: Vec3,
-        half_up: Vec3,
-        normal: Vec3,
-        color: Rgb,
-    ) {
+    pub fn push_card(&mut self, center: Vec3, half_right: Vec3, half_up: Vec3, normal: Vec3, color: Rgb) {
         let corner = |x: f32, y: f32| center + half_right * x + half_up * y;
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
-            self.push_vertex(
-                corner(x, y),
-                normal,
-                color,
-                Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y),
-            )
-        });
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| self.push_vertex(corner(x, y), normal, color, Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y)));
         let [a, b, c, d] = corners;
         self.indices.extend([a, b, c, a, c, d]);
     }
@@ -108,17 +94,10 @@ impl MeshData {
     pub fn push_oriented_box(&mut self, center: Vec3, size: Vec3, rotation: Quat, color: Rgb) {
         let axes = Mat3::from_quat(rotation);
         let half = size * 0.5;
-        let axes = [
-            axes.x_axis * half.x,
-            axes.y_axis * half.y,
-            axes.z_axis * half.z,
-        ];
+        let axes = [axes.x_axis * half.x, axes.y_axis * half.y, axes.z_axis * half.z];
         for i in 0..3 {
             let (n, u, v) = (axes[i], axes[(i + 1) % 3], axes[(i + 2) % 3]);
-            self.push_quad(
-                [n - u - v, n + u - v, n + u + v, n - u + v].map(|p| center + p),
-                color,
-            );
+            self.push_quad([n - u - v, n + u - v, n + u + v, n - u + v].map(|p| center + p), color);
             self.push_quad(
                 [-n - u - v, -n - u + v, -n + u + v, -n + u - v].map(|p| center + p),
                 color,
@@ -132,22 +111,14 @@ impl MeshData {
         if along.length_squared() < 1e-12 {
             return;
         }
-        let rotation = Quat::from_mat3(&Mat3::from_cols_array_2d(
-            &frame(along).map(|axis| axis.to_array()),
-        ));
+        let rotation = Quat::from_mat3(&Mat3::from_cols_array_2d(&frame(along).map(|axis| axis.to_array())));
         let size = Vec3::new(thickness, along.length(), thickness);
         self.push_oriented_box((from + to) * 0.5, size, rotation, color);
     }
 
     /// Adds a round bar between two points: a cylinder, a truncated cone, or a cone where one radius is zero.
     /// Smooth around, flat caps. At least three sides.
-    pub fn push_round(
-        &mut self,
-        from: (Vec3, f32),
-        to: (Vec3, f32),
-        sides: u32,
-        colors: (Rgb, Rgb),
-    ) {
+    pub fn push_round(&mut self, from: (Vec3, f32), to: (Vec3, f32), sides: u32, colors: (Rgb, Rgb)) {
         let ((a, radius_a), (b, radius_b)) = (from, to);
         let along = b - a;
         let [x, y, z] = frame(along);
@@ -180,8 +151,7 @@ impl MeshData {
                 .map(|(p, n, color)| self.push_vertex(p, n, color, Vec2::ZERO))
                 .collect();
             for k in 2..corners.len() {
-                self.indices
-                    .extend([corners[0], corners[k - 1], corners[k]]);
+                self.indices.extend([corners[0], corners[k - 1], corners[k]]);
             }
             self.push_triangle([a, p(a, radius_a, i), p(a, radius_a, j)], colors.0);
             self.push_triangle([b, p(b, radius_b, j), p(b, radius_b, i)], colors.1);
@@ -190,14 +160,7 @@ impl MeshData {
 
     /// Adds a skirt of a fir: a cone with a jagged rim and a hollow underside. `jag` is the share of the radius that
     /// every second corner falls short of; the rim hangs by `droop`.
-    pub fn push_skirt(
-        &mut self,
-        foot: Vec3,
-        height: f32,
-        radius: f32,
-        shape: SkirtShape,
-        color: Rgb,
-    ) {
+    pub fn push_skirt(&mut self, foot: Vec3, height: f32, radius: f32, shape: SkirtShape, color: Rgb) {
         let sides = shape.points * 2;
         let apex = foot + Vec3::Y * height;
         let hollow = foot + Vec3::Y * (0.25 * height);
@@ -226,38 +189,20 @@ impl MeshData {
         }
     }
 
-    /// Adds a ball with a rough surface: an icosphere of 80 triangles, displaced by up to `roughness` of its radii.
-    pub fn push_blob(
-        &mut self,
-        center: Vec3,
-        radii: Vec3,
-        roughness: f32,
-        seed: u32,
-        colors: (Rgb, Rgb),
-    ) {
+    /// Adds a ball with a rough surface of 80 flat triangles, displaced by up to `roughness` of its radii; the colour
+    /// runs from the first at the bottom to the second at the top.
+    pub fn push_blob(&mut self, center: Vec3, radii: Vec3, roughness: f32, seed: u32, colors: (Rgb, Rgb)) {
         let (directions, triangles) = icosphere();
         let points: Vec<Vec3> = directions
             .iter()
             .enumerate()
-            .map(|(i, direction)| {
-                center + *direction * radii * (1.0 + roughness * noise::signed(seed, i as i32, 7))
-            })
+            .map(|(i, direction)| center + *direction * radii * (1.0 + roughness * noise::signed(seed, i as i32, 7)))
             .collect();
-        let mut normals = vec![Vec3::ZERO; points.len()];
-        for &[a, b, c] in &triangles {
-            let normal = (points[b] - points[a]).cross(points[c] - points[a]);
-            for i in [a, b, c] {
-                normals[i] += normal;
-            }
-        }
-        let first = self.positions.len() as u32;
-        for (i, point) in points.iter().enumerate() {
-            let up = 0.5 + 0.5 * directions[i].y;
+        for triangle in triangles {
+            let up = 0.5 + 0.5 * triangle.iter().map(|i| directions[*i].y).sum::<f32>() / 3.0;
             let color = std::array::from_fn(|k| colors.0[k] + (colors.1[k] - colors.0[k]) * up);
-            self.push_vertex(*point, normals[i].normalize(), color, Vec2::ZERO);
+            self.push_triangle(triangle.map(|i| points[i]), color);
         }
-        self.indices
-            .extend(triangles.iter().flatten().map(|i| first + *i as u32));
     }
 
     /// Adds a gabled roof over a rectangle: `size` is its plan and height; the ridge runs along x.
@@ -265,12 +210,7 @@ impl MeshData {
         let (x, z) = (size.x * 0.5, size.z * 0.5);
         let at = |px: f32, py: f32, pz: f32| foot + Vec3::new(px, py, pz);
         let ridge = [at(-x, size.y, 0.0), at(x, size.y, 0.0)];
-        let [a, b, c, d] = [
-            at(-x, 0.0, -z),
-            at(x, 0.0, -z),
-            at(x, 0.0, z),
-            at(-x, 0.0, z),
-        ];
+        let [a, b, c, d] = [at(-x, 0.0, -z), at(x, 0.0, -z), at(x, 0.0, z), at(-x, 0.0, z)];
         self.push_quad([d, c, ridge[1], ridge[0]], color);
         self.push_quad([b, a, ridge[0], ridge[1]], color);
         self.push_triangle([c, b, ridge[1]], wall);
@@ -282,12 +222,8 @@ impl MeshData {
     pub fn append(&mut self, other: &Self, transform: Affine3A) {
         let first = self.positions.len() as u32;
         let normal_matrix = transform.matrix3.inverse().transpose();
-        self.positions.extend(
-            other
-                .positions
-                .iter()
-                .map(|p| transform.transform_point3(*p)),
-        );
+        self.positions
+            .extend(other.positions.iter().map(|p| transform.transform_point3(*p)));
         self.normals.extend(
             other
                 .normals
@@ -336,11 +272,7 @@ fn icosphere() -> (Vec<Vec3>, Vec<[usize; 3]>) {
     let g = (1.0 + 5.0_f32.sqrt()) * 0.5;
     let mut points = Vec::with_capacity(42);
     for (u, v) in [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)] {
-        points.extend([
-            Vec3::new(u, v, 0.0),
-            Vec3::new(0.0, u, v),
-            Vec3::new(v, 0.0, u),
-        ]);
+        points.extend([Vec3::new(u, v, 0.0), Vec3::new(0.0, u, v), Vec3::new(v, 0.0, u)]);
     }
     let edge = 2.1;
     let near = |a: Vec3, b: Vec3| a.distance(b) < edge;
@@ -387,10 +319,7 @@ pub(super) mod tests {
 
     /// Indices in range, unit normals, nothing that is not a number, no triangle without area.
     pub(in crate::level) fn assert_sane(mesh: &MeshData, name: &str) {
-        assert!(
-            !mesh.is_empty() && mesh.indices.len().is_multiple_of(3),
-            "{name}"
-        );
+        assert!(!mesh.is_empty() && mesh.indices.len().is_multiple_of(3), "{name}");
         let count = mesh.positions.len();
         assert_eq!(
             [mesh.normals.len(), mesh.colors.len(), mesh.uvs.len()],
@@ -401,19 +330,13 @@ pub(super) mod tests {
             mesh.indices.iter().all(|i| (*i as usize) < count),
             "{name}: index out of range"
         );
-        assert!(
-            mesh.positions.iter().all(|p| p.is_finite()),
-            "{name}: position"
-        );
+        assert!(mesh.positions.iter().all(|p| p.is_finite()), "{name}: position");
         assert!(
             mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4),
             "{name}: normal"
         );
         assert!(
-            mesh.colors
-                .iter()
-                .flatten()
-                .all(|c| (0.0..=1.0).contains(c)),
+            mesh.colors.iter().flatten().all(|c| (0.0..=1.0).contains(c)),
             "{name}: colour"
         );
         for triangle in mesh.indices.chunks(3) {
@@ -455,12 +378,7 @@ pub(super) mod tests {
     fn primitives_are_solids() {
         let white = [1.0; 3];
         let mut mesh = MeshData::default();
-        mesh.push_oriented_box(
-            Vec3::ONE,
-            Vec3::new(1.0, 2.0, 3.0),
-            Quat::from_rotation_x(0.4),
-            white,
-        );
+        mesh.push_oriented_box(Vec3::ONE, Vec3::new(1.0, 2.0, 3.0), Quat::from_rotation_x(0.4), white);
         assert_solid(&mesh, "box");
         let round = [
             ("cylinder", 0.5, 0.5),
@@ -502,11 +420,7 @@ pub(super) mod tests {
         let mut mesh = MeshData::default();
         mesh.append(
             &unit,
-            Affine3A::from_scale_rotation_translation(
-                Vec3::new(2.0, 1.0, 1.0),
-                Quat::IDENTITY,
-                Vec3::Y,
-            ),
+            Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 1.0, 1.0), Quat::IDENTITY, Vec3::Y),
         );
         assert_solid(&mesh, "appended");
         assert_eq!(

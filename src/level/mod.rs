@@ -10,10 +10,10 @@
 
 use bevy::prelude::*;
 
-mod buildings;
-mod city;
+pub mod buildings;
+pub mod city;
 pub mod find;
-mod forest;
+pub mod forest;
 pub mod format;
 pub mod ground;
 mod load;
@@ -21,11 +21,11 @@ mod load_gltf;
 pub mod loader;
 pub mod meshes;
 pub mod model;
-mod noise;
+pub mod noise;
 pub mod parse;
-mod plants;
-mod props;
-mod rooms;
+pub mod plants;
+pub mod props;
+pub mod rooms;
 pub mod scatter;
 pub mod scene;
 pub mod scenery;
@@ -59,12 +59,7 @@ impl Plugin for LevelPlugin {
             .init_resource::<load::Job>()
             .add_systems(
                 Update,
-                (
-                    load::reload,
-                    load::start,
-                    load::advance_level,
-                    load_gltf::advance_gltf,
-                )
+                (load::reload, load::start, load::advance_level, load_gltf::advance_gltf)
                     .chain()
                     .in_set(LevelSystems),
             );

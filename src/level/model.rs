@@ -40,12 +40,7 @@ pub enum Model {
 }
 
 /// Colours of cubes, balls and poles.
-pub const PRIMITIVE_PAINTS: [Rgb; 4] = [
-    [0.55, 0.2, 0.12],
-    [0.2, 0.32, 0.5],
-    [0.5, 0.47, 0.4],
-    [0.1, 0.1, 0.1],
-];
+pub const PRIMITIVE_PAINTS: [Rgb; 4] = [[0.55, 0.2, 0.12], [0.2, 0.32, 0.5], [0.5, 0.47, 0.4], [0.1, 0.1, 0.1]];
 
 /// One thing in the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,9 +78,7 @@ impl Placement {
         };
         let (shape, height) = match self.model {
             Model::Plant(Species::Bush, _) => return None,
-            Model::Plant(species, _) => {
-                (round(plants::foot_radius(species)), plants::height(species))
-            }
+            Model::Plant(species, _) => (round(plants::foot_radius(species)), plants::height(species)),
             // The rails between posts are what stops a walker; see the generators, which know both ends.
             Model::FencePost => (round(0.1), 1.0),
             Model::FenceRails => {
@@ -97,10 +90,7 @@ impl Placement {
                     top: middle.y + self.scale.y,
                 });
             }
-            Model::Hut => (
-                turned(props::HUT_HALF.0 + 0.2, props::HUT_HALF.1 + 0.2),
-                6.0,
-            ),
+            Model::Hut => (turned(props::HUT_HALF.0 + 0.2, props::HUT_HALF.1 + 0.2), 6.0),
             Model::Lamp => (round(0.13), 6.5),
             Model::Bench => (turned(0.9, 0.35), 0.9),
             Model::Car(_) => (turned(0.88, 2.15), 1.4),
@@ -132,9 +122,7 @@ impl Model {
             Self::Hut => props::hut(),
             Self::Lamp => props::lamp(),
             Self::Bench => props::bench(),
-            Self::Car(paint) => {
-                props::car(props::CAR_PAINTS[usize::from(paint) % props::CAR_PAINTS.len()])
-            }
+            Self::Car(paint) => props::car(props::CAR_PAINTS[usize::from(paint) % props::CAR_PAINTS.len()]),
             Self::Building(building) => buildings::build(&building),
             Self::LatticeTower(height) => props::lattice_tower(height as f32),
             Self::Cube(paint) => {
@@ -168,8 +156,7 @@ fn ball(color: Rgb) -> MeshData {
     for ring in 0..=rings {
         let (ring_sin, ring_cos) = (ring as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
         for side in 0..=sides {
-            let (sin, cos) =
-                ((side % sides) as f32 / sides as f32 * std::f32::consts::TAU).sin_cos();
+            let (sin, cos) = ((side % sides) as f32 / sides as f32 * std::f32::consts::TAU).sin_cos();
             let sin_ring = if ring == rings { 0.0 } else { ring_sin };
             let normal = Vec3::new(sin_ring * cos, ring_cos, sin_ring * sin).normalize();
             mesh.push_vertex(Vec3::Y * 0.5 + normal * 0.5, normal, color, Vec2::ZERO);
@@ -201,14 +188,8 @@ mod tests {
             let mesh = model.build().solid;
             assert_solid(&mesh, &format!("{model:?}"));
             let (min, max) = mesh.bounds().unwrap();
-            assert!(
-                (min - Vec3::new(-0.5, 0.0, -0.5)).length() < 1e-3,
-                "{model:?} {min}"
-            );
-            assert!(
-                (max - Vec3::new(0.5, 1.0, 0.5)).length() < 1e-3,
-                "{model:?} {max}"
-            );
+            assert!((min - Vec3::new(-0.5, 0.0, -0.5)).length() < 1e-3, "{model:?} {min}");
+            assert!((max - Vec3::new(0.5, 1.0, 0.5)).length() < 1e-3, "{model:?} {max}");
         }
     }
 }

@@ -9,9 +9,7 @@ pub fn signed(seed: u32, x: i32, y: i32) -> f32 {
 
 /// Integer hash with full avalanche (the finaliser of `MurmurHash3`).
 fn hash(seed: u32, x: i32, y: i32) -> u32 {
-    let mut h = seed
-        ^ (x as u32).wrapping_mul(0x9e37_79b1)
-        ^ (y as u32).wrapping_mul(0x85eb_ca77).rotate_left(16);
+    let mut h = seed ^ (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77).rotate_left(16);
     for factor in [0x85eb_ca6b_u32, 0xc2b2_ae35] {
         h ^= h >> 16;
         h = h.wrapping_mul(factor);
@@ -25,10 +23,7 @@ pub fn gradient(seed: u32, p: Vec2) -> f32 {
     let f = p - cell;
     let (x, y) = (cell.x as i32, cell.y as i32);
     let corner = |dx: i32, dy: i32| {
-        let slope = Vec2::new(
-            signed(seed, x + dx, y + dy),
-            signed(seed ^ 0x5bd1_e995, x + dx, y + dy),
-        );
+        let slope = Vec2::new(signed(seed, x + dx, y + dy), signed(seed ^ 0x5bd1_e995, x + dx, y + dy));
         slope.dot(f - Vec2::new(dx as f32, dy as f32))
     };
     let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
@@ -78,10 +73,7 @@ mod tests {
     fn seeds_and_places_differ() {
         assert_ne!(signed(1, 2, 3), signed(2, 2, 3));
         assert_ne!(signed(1, 2, 3), signed(1, 3, 2));
-        let mean: f32 = (0..10_000)
-            .map(|i| signed(9, i % 100, i / 100))
-            .sum::<f32>()
-            / 10_000.0;
+        let mean: f32 = (0..10_000).map(|i| signed(9, i % 100, i / 100)).sum::<f32>() / 10_000.0;
         assert!(mean.abs() < 0.03, "mean {mean}");
     }
 }

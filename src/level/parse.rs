@@ -10,8 +10,8 @@ use super::{format::Level, validate::LevelError};
 /// What is wrong with the text, with line, column and field; or the first value that is out of its limits.
 pub fn parse(bytes: &[u8]) -> Result<Level, LevelError> {
     let text = std::str::from_utf8(bytes).map_err(|_| LevelError::NotText)?;
-    let options = ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES);
+    let options =
+        ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES);
     let level: Level = options.from_str(text).map_err(|error| {
         let (line, column) = (error.span.end.line, error.span.end.col);
         LevelError::Syntax {
@@ -69,10 +69,7 @@ mod tests {
         let level = parse(SMALL.as_bytes()).unwrap();
         assert_eq!(level.shots()[0].light_dir, [1.0, -1.0, 0.0]);
         assert_eq!(level.shots()[0].scene.as_deref(), Some("test"));
-        assert_eq!(
-            (level.shots()[0].width, level.shots()[0].height),
-            (1280, 720)
-        );
+        assert_eq!((level.shots()[0].width, level.shots()[0].height), (1280, 720));
     }
 
     /// (what is replaced, by what, line, field, part of the message)
@@ -81,13 +78,7 @@ mod tests {
         ("seed: 1", "seeed: 1", 4, "seeed", "seed"),
         ("seed: 1,", "", 13, "far", "seed"),
         ("near: 0.1", "near: 0.1, shadow: 1", 12, "shadow", "shadow"),
-        (
-            "PlaneBox(side: 2.0)",
-            "PlaneBox(height: 2.0)",
-            5,
-            "height",
-            "side",
-        ),
+        ("PlaneBox(side: 2.0)", "PlaneBox(height: 2.0)", 5, "height", "side"),
         ("Room(PlaneBox", "Room(Cellar", 5, "generator", "Cellar"),
     ];
 
@@ -97,10 +88,7 @@ mod tests {
             let text = SMALL.replace(from, to);
             match parse(text.as_bytes()) {
                 Err(LevelError::Syntax {
-                    line,
-                    field,
-                    message,
-                    ..
+                    line, field, message, ..
                 }) => {
                     assert_eq!((line, field.as_str()), (at, named), "{to}: {message}");
                     assert!(message.contains(part), "{to}: {message}");
@@ -112,10 +100,7 @@ mod tests {
 
     #[test]
     fn empty_and_binary_files_are_errors() {
-        assert!(matches!(
-            parse(b""),
-            Err(LevelError::Syntax { line: 1, .. })
-        ));
+        assert!(matches!(parse(b""), Err(LevelError::Syntax { line: 1, .. })));
         assert_eq!(parse(&[0xff, 0xfe, 0x00]), Err(LevelError::NotText));
     }
 }

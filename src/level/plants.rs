@@ -66,12 +66,7 @@ fn direction(heading: f32, rise: f32) -> Vec3 {
 fn conifer(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
     let height = rng.random_range(9.0..13.0);
     let radius = height * rng.random_range(0.17..0.21);
-    mesh.push_round(
-        (Vec3::NEG_Y * ROOT, 0.26),
-        (Vec3::Y * height * 0.8, 0.05),
-        6,
-        BARK,
-    );
+    mesh.push_round((Vec3::NEG_Y * ROOT, 0.26), (Vec3::Y * height * 0.8, 0.05), 6, BARK);
     let skirts = 5;
     let first = rng.random_range(1.0..1.8);
     for i in 0..skirts {
@@ -97,11 +92,9 @@ fn oak(plant: &mut ModelMesh, rng: &mut ChaCha8Rng) {
     let mut tips = Vec::new();
     let boughs = 5;
     for i in 0..boughs {
-        let heading =
-            (i as f32 + rng.random_range(0.0..0.6)) / boughs as f32 * std::f32::consts::TAU;
+        let heading = (i as f32 + rng.random_range(0.0..0.6)) / boughs as f32 * std::f32::consts::TAU;
         let foot = Vec3::Y * (fork - rng.random_range(0.1..0.5));
-        let tip =
-            foot + direction(heading, rng.random_range(0.7..1.4)) * rng.random_range(2.4..3.4);
+        let tip = foot + direction(heading, rng.random_range(0.7..1.4)) * rng.random_range(2.4..3.4);
         solid.push_round((foot, 0.16), (tip, 0.05), 5, BARK);
         tips.push(tip);
     }
@@ -128,21 +121,16 @@ fn oak(plant: &mut ModelMesh, rng: &mut ChaCha8Rng) {
             // Leaves inside the crown are in each other's shade.
             let depth = ((center - middle).length() / 3.2).clamp(0.45, 1.0);
             let color = scaled([0.30, 0.40, 0.13], depth * rng.random_range(0.8..1.1));
-            plant.leaves.push_card(
-                center,
-                right * half,
-                facing.cross(right) * half,
-                outward,
-                color,
-            );
+            plant
+                .leaves
+                .push_card(center, right * half, facing.cross(right) * half, outward, color);
         }
     }
 }
 
 fn birch(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
     let height = rng.random_range(7.0..9.0);
-    let lean =
-        direction(rng.random_range(0.0..std::f32::consts::TAU), 0.0) * rng.random_range(0.0..0.5);
+    let lean = direction(rng.random_range(0.0..std::f32::consts::TAU), 0.0) * rng.random_range(0.0..0.5);
     let top = Vec3::Y * height + lean;
     let at = |t: f32| top * t;
     let white = ([0.5, 0.48, 0.44], [0.62, 0.6, 0.55]);
@@ -150,19 +138,15 @@ fn birch(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
     let balls = 6;
     for i in 0..balls {
         let t = i as f32 / (balls - 1) as f32;
-        let side =
-            direction(i as f32 * 2.4 + rng.random_range(0.0..0.8), 0.0) * (0.95 * (1.0 - t) + 0.1);
-        let center = at(0.42 + 0.55 * t) + side;
-        let radius = rng.random_range(1.0..1.3) * (1.0 - 0.35 * t);
+        let side = direction(i as f32 * 2.4 + rng.random_range(0.0..0.8), 0.0) * (0.9 * (1.0 - t) + 0.1);
+        let center = at(0.44 + 0.53 * t) + side;
+        let radius = rng.random_range(0.95..1.3) * (1.0 - 0.35 * t);
         let light = rng.random_range(0.85..1.15);
-        let greens = (
-            scaled([0.10, 0.17, 0.04], light),
-            scaled([0.24, 0.33, 0.08], light),
-        );
+        let greens = (scaled([0.10, 0.17, 0.04], light), scaled([0.24, 0.33, 0.08], light));
         mesh.push_blob(
             center,
-            Vec3::new(radius, radius * 1.15, radius),
-            0.16,
+            Vec3::new(radius, radius * 1.2, radius),
+            0.28,
             rng.random(),
             greens,
         );
@@ -172,12 +156,7 @@ fn birch(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
 fn dead_tree(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
     let height = rng.random_range(6.0..9.0);
     let grey = ([0.16, 0.145, 0.125], [0.25, 0.235, 0.21]);
-    mesh.push_round(
-        (Vec3::NEG_Y * ROOT, 0.27),
-        (Vec3::Y * height * 0.55, 0.16),
-        6,
-        grey,
-    );
+    mesh.push_round((Vec3::NEG_Y * ROOT, 0.27), (Vec3::Y * height * 0.55, 0.16), 6, grey);
     mesh.push_round(
         (Vec3::Y * (height * 0.55 - 0.05), 0.155),
         (Vec3::new(0.3, height, 0.1), 0.02),
@@ -192,12 +171,8 @@ fn dead_tree(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
         mesh.push_round((foot, 0.075), (tip, 0.015), 5, grey);
         for k in [0.45, 0.7] {
             let fork = foot + (tip - foot) * k;
-            let twig = fork
-                + direction(
-                    heading + rng.random_range(-1.2..1.2),
-                    rng.random_range(0.1..1.2),
-                ) * length
-                    * 0.45;
+            let twig =
+                fork + direction(heading + rng.random_range(-1.2..1.2), rng.random_range(0.1..1.2)) * length * 0.45;
             mesh.push_round((fork, 0.035), (twig, 0.008), 4, grey);
         }
     }
@@ -205,14 +180,10 @@ fn dead_tree(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
 
 fn bush(mesh: &mut MeshData, rng: &mut ChaCha8Rng) {
     for i in 0..4 {
-        let side = direction(i as f32 * 1.7 + rng.random_range(0.0..0.6), 0.0)
-            * if i == 0 { 0.0 } else { 0.6 };
+        let side = direction(i as f32 * 1.7 + rng.random_range(0.0..0.6), 0.0) * if i == 0 { 0.0 } else { 0.6 };
         let radius = rng.random_range(0.5..0.75);
         let light = rng.random_range(0.85..1.15);
-        let greens = (
-            scaled([0.05, 0.085, 0.025], light),
-            scaled([0.14, 0.21, 0.06], light),
-        );
+        let greens = (scaled([0.05, 0.085, 0.025], light), scaled([0.14, 0.21, 0.06], light));
         mesh.push_blob(
             side + Vec3::Y * 0.45,
             Vec3::new(radius, radius * 0.9, radius),
@@ -261,10 +232,7 @@ pub fn leaf_texture(side: u32) -> Vec<u8> {
             let p = (Vec2::new(x as f32, y as f32) + 0.5) / side as f32;
             let hit = leaves.iter().rev().find(|(middle, along, length, _)| {
                 let offset = p - *middle;
-                let (u, v) = (
-                    offset.dot(*along) / length,
-                    offset.dot(along.perp()) / length,
-                );
+                let (u, v) = (offset.dot(*along) / length, offset.dot(along.perp()) / length);
                 // Two arcs that meet in points.
                 u.abs() < 1.0 && v.abs() < 0.48 * (1.0 - u * u)
             });
@@ -304,21 +272,14 @@ mod tests {
                 }
                 assert!(min.y < -0.1, "{name} floats at {}", min.y);
                 assert!(max.y <= height(species), "{name} is {} m high", max.y);
-                assert!(
-                    max.y >= 0.45 * height(species),
-                    "{name} is only {} m high",
-                    max.y
-                );
+                assert!(max.y >= 0.45 * height(species), "{name} is only {} m high", max.y);
             }
         }
     }
 
     #[test]
     fn variants_differ_and_repeat() {
-        assert_eq!(
-            build(Species::Conifer, 1),
-            build(Species::Conifer, 1 + VARIANTS)
-        );
+        assert_eq!(build(Species::Conifer, 1), build(Species::Conifer, 1 + VARIANTS));
         assert_ne!(build(Species::Conifer, 1), build(Species::Conifer, 2));
     }
 

@@ -18,11 +18,7 @@ pub fn fence_post() -> MeshData {
 pub fn fence_rails() -> MeshData {
     let mut mesh = MeshData::default();
     for y in [0.3, 0.6, 0.88] {
-        mesh.push_box(
-            Vec3::new(0.5, y, 0.0),
-            Vec3::new(1.0, 0.08, 0.035),
-            [0.29, 0.2, 0.115],
-        );
+        mesh.push_box(Vec3::new(0.5, y, 0.0), Vec3::new(1.0, 0.08, 0.035), [0.29, 0.2, 0.115]);
     }
     mesh
 }
@@ -55,12 +51,7 @@ pub fn hut() -> MeshData {
             ];
             for (at, along) in logs {
                 let middle = Vec3::from(at) * Vec3::new(side, 1.0, side) + Vec3::Y * y;
-                mesh.push_round(
-                    (middle - along, 0.155),
-                    (middle + along, 0.155),
-                    8,
-                    (WOOD, WOOD),
-                );
+                mesh.push_round((middle - along, 0.155), (middle + along, 0.155), 8, (WOOD, WOOD));
             }
         }
     }
@@ -71,11 +62,7 @@ pub fn hut() -> MeshData {
         roof,
         dark,
     );
-    mesh.push_box(
-        Vec3::new(1.6, 4.6, -0.9),
-        Vec3::new(0.7, 2.6, 0.7),
-        [0.25, 0.23, 0.21],
-    );
+    mesh.push_box(Vec3::new(1.6, 4.6, -0.9), Vec3::new(0.7, 2.6, 0.7), [0.25, 0.23, 0.21]);
     mesh.push_box(
         Vec3::new(0.0, 1.35, half_z + 0.1),
         Vec3::new(1.0, 2.1, 0.25),
@@ -102,12 +89,7 @@ pub fn lamp() -> MeshData {
     let steel = (STEEL, STEEL);
     mesh.push_round((Vec3::Y * -0.3, 0.13), (Vec3::Y * 0.9, 0.1), 8, steel);
     mesh.push_round((Vec3::Y * 0.5, 0.07), (Vec3::Y * 6.3, 0.045), 8, steel);
-    mesh.push_round(
-        (Vec3::Y * 6.2, 0.035),
-        (Vec3::new(1.5, 6.5, 0.0), 0.03),
-        6,
-        steel,
-    );
+    mesh.push_round((Vec3::Y * 6.2, 0.035), (Vec3::new(1.5, 6.5, 0.0), 0.03), 6, steel);
     mesh.push_box(
         Vec3::new(1.65, 6.47, 0.0),
         Vec3::new(0.75, 0.12, 0.26),
@@ -121,12 +103,7 @@ pub fn bench() -> MeshData {
     let mut mesh = MeshData::default();
     for x in [-0.7, 0.7] {
         mesh.push_box(Vec3::new(x, 0.2, 0.0), Vec3::new(0.06, 0.5, 0.42), STEEL);
-        mesh.push_bar(
-            Vec3::new(x, 0.3, -0.2),
-            Vec3::new(x, 0.95, -0.33),
-            0.05,
-            STEEL,
-        );
+        mesh.push_bar(Vec3::new(x, 0.3, -0.2), Vec3::new(x, 0.95, -0.33), 0.05, STEEL);
     }
     for i in 0..4 {
         mesh.push_box(
@@ -168,28 +145,15 @@ pub fn car(paint: Rgb) -> MeshData {
         [0.75, 1.32],
         glass,
     );
-    prism(
-        &mut mesh,
-        [(0.64, -1.4, 0.4), (0.6, -1.3, 0.3)],
-        [1.28, 1.4],
-        paint,
-    );
+    prism(&mut mesh, [(0.64, -1.4, 0.4), (0.6, -1.3, 0.3)], [1.28, 1.4], paint);
     for (x, z) in [(-0.78, -1.35), (0.78, -1.35), (-0.78, 1.35), (0.78, 1.35)] {
         let (inner, outer) = (Vec3::new(x * 0.8, 0.32, z), Vec3::new(x * 1.13, 0.32, z));
         let rubber = ([0.02; 3], [0.02; 3]);
         mesh.push_round((inner, 0.33), (outer, 0.33), 10, rubber);
     }
     for x in [-0.6, 0.6] {
-        mesh.push_box(
-            Vec3::new(x, 0.6, 2.13),
-            Vec3::new(0.35, 0.16, 0.1),
-            [0.7, 0.68, 0.6],
-        );
-        mesh.push_box(
-            Vec3::new(x, 0.62, -2.13),
-            Vec3::new(0.3, 0.14, 0.1),
-            [0.35, 0.02, 0.02],
-        );
+        mesh.push_box(Vec3::new(x, 0.6, 2.13), Vec3::new(0.35, 0.16, 0.1), [0.7, 0.68, 0.6]);
+        mesh.push_box(Vec3::new(x, 0.62, -2.13), Vec3::new(0.3, 0.14, 0.1), [0.35, 0.02, 0.02]);
     }
     mesh
 }
@@ -235,21 +199,12 @@ pub fn lattice_tower(height: f32) -> MeshData {
     };
     for k in 0..4 {
         let foot = corner(0, k);
-        mesh.push_box(
-            foot.with_y(0.3),
-            Vec3::new(3.2, 1.6, 3.2),
-            [0.3, 0.29, 0.27],
-        );
+        mesh.push_box(foot.with_y(0.3), Vec3::new(3.2, 1.6, 3.2), [0.3, 0.29, 0.27]);
     }
     for i in 0..storeys {
         let thin = 1.0 - 0.6 * i as f32 / storeys as f32;
         for k in 0..4 {
-            let (a, b, c, d) = (
-                corner(i, k),
-                corner(i, k + 1),
-                corner(i + 1, k),
-                corner(i + 1, k + 1),
-            );
+            let (a, b, c, d) = (corner(i, k), corner(i, k + 1), corner(i + 1, k), corner(i + 1, k + 1));
             mesh.push_bar(a, c, 0.55 * thin, paint);
             mesh.push_bar(c, d, 0.24 * thin, paint);
             mesh.push_bar(a, d, 0.18 * thin, paint);
@@ -259,11 +214,7 @@ pub fn lattice_tower(height: f32) -> MeshData {
     for i in [6, 13] {
         let (y, half) = level(i);
         let deck = half + 1.2;
-        mesh.push_box(
-            Vec3::Y * (y + 0.4),
-            Vec3::new(2.0 * deck, 0.3, 2.0 * deck),
-            paint,
-        );
+        mesh.push_box(Vec3::Y * (y + 0.4), Vec3::new(2.0 * deck, 0.3, 2.0 * deck), paint);
         railing_ring(&mut mesh, y + 0.55, deck - 0.15, paint);
     }
     let (y, half) = level(storeys);
@@ -272,19 +223,13 @@ pub fn lattice_tower(height: f32) -> MeshData {
         Vec3::new(2.0 * half + 0.8, 0.3, 2.0 * half + 0.8),
         paint,
     );
-    mesh.push_round(
-        (Vec3::Y * y, 0.22),
-        (Vec3::Y * height, 0.05),
-        6,
-        (paint, paint),
-    );
+    mesh.push_round((Vec3::Y * y, 0.22), (Vec3::Y * height, 0.05), 6, (paint, paint));
     mesh
 }
 
 /// Thin railings around a square deck.
 fn railing_ring(mesh: &mut MeshData, y: f32, half: f32, color: Rgb) {
-    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
-        .map(|(x, z)| Vec3::new(x * half, y, z * half));
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x * half, y, z * half));
     for k in 0..4 {
         push_railing(mesh, corners[k], corners[(k + 1) % 4], 1.1, color);
     }
@@ -316,12 +261,7 @@ pub fn wire(from: Vec3, to: Vec3, sag: f32, diameter: f32) -> MeshData {
     };
     for i in 0..parts {
         let black = ([0.02; 3], [0.02; 3]);
-        mesh.push_round(
-            (at(i), 0.5 * diameter),
-            (at(i + 1), 0.5 * diameter),
-            6,
-            black,
-        );
+        mesh.push_round((at(i), 0.5 * diameter), (at(i + 1), 0.5 * diameter), 6, black);
     }
     mesh
 }

@@ -38,10 +38,7 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 }
             }
         }
-        Room::Fence {
-            post_spacing,
-            height,
-        } => {
+        Room::Fence { post_spacing, height } => {
             let stations: Vec<f32> = stations(size.y, post_spacing).collect();
             for (i, z) in stations.iter().enumerate() {
                 let foot = Vec3::new(0.0, 0.0, *z);
@@ -96,12 +93,8 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
         .map(|i| {
             let lattice = Vec2::new((i % side) as f32, (i / side) as f32) + 0.5;
             let p = lattice * trees.spacing - 0.5 * extent;
-            let species = [
-                Species::Conifer,
-                Species::Birch,
-                Species::Conifer,
-                Species::DeadTree,
-            ][rng.random_range(0..4)];
+            let species =
+                [Species::Conifer, Species::Birch, Species::Conifer, Species::DeadTree][rng.random_range(0..4)];
             let model = Model::Plant(species, rng.random_range(0..plants::VARIANTS));
             let yaw = rng.random_range(0.0..std::f32::consts::TAU);
             Placement {
@@ -139,23 +132,15 @@ fn plane(size: Vec2) -> Static {
     for j in 0..count[1] {
         for i in 0..count[0] {
             let at = |i: u32, j: u32| {
-                let p = Vec2::new(i as f32 / count[0] as f32, j as f32 / count[1] as f32) * size
-                    - size * 0.5;
+                let p = Vec2::new(i as f32 / count[0] as f32, j as f32 / count[1] as f32) * size - size * 0.5;
                 Vec3::new(p.x, 0.0, p.y)
             };
-            let light = if (i + j).is_multiple_of(2) {
-                0.42
-            } else {
-                0.36
-            };
+            let light = if (i + j).is_multiple_of(2) { 0.27 } else { 0.23 };
             mesh.push_quad(
                 [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)],
                 [light, light, light * 0.95],
             );
         }
     }
-    Static {
-        name: "plane",
-        mesh,
-    }
+    Static { name: "plane", mesh }
 }

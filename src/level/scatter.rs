@@ -34,12 +34,7 @@ pub struct Thrown {
 
 /// Throws all rules in order. Two things keep the mean of their rules' spacings between them; trees stay out of
 /// clearings, and everything stays off tracks and where `is_free` says no.
-pub fn scatter(
-    terrain: &Terrain,
-    rules: &[ScatterRule],
-    is_free: impl Fn(Vec2) -> bool,
-    seed: u64,
-) -> Vec<Thrown> {
+pub fn scatter(terrain: &Terrain, rules: &[ScatterRule], is_free: impl Fn(Vec2) -> bool, seed: u64) -> Vec<Thrown> {
     let cell = rules.iter().map(|rule| rule.spacing).fold(1.0, f32::max);
     let mut near = Grid::new(cell);
     let mut thrown = Vec::new();
@@ -65,8 +60,8 @@ pub fn scatter(
                 variant: rng.random(),
                 spacing: rule.spacing,
             };
-            let in_patch = rng.random::<f32>()
-                >= rule.clumping * (0.55 - 1.6 * noise::octaves(patches, dart.position / 34.0, 2));
+            let in_patch =
+                rng.random::<f32>() >= rule.clumping * (0.55 - 1.6 * noise::octaves(patches, dart.position / 34.0, 2));
             if in_patch
                 && is_free(dart.position)
                 && allowed(terrain, rule, dart.position)
@@ -91,11 +86,7 @@ fn allowed(terrain: &Terrain, rule: &ScatterRule, p: Vec2) -> bool {
     let slope = terrain.normal(p).y.clamp(-1.0, 1.0).acos().to_degrees();
     (rule.height.0..=rule.height.1).contains(&height)
         && (rule.slope_deg.0..=rule.slope_deg.1).contains(&slope)
-        && !(rule.species.is_tree()
-            && terrain
-                .clearings()
-                .iter()
-                .any(|c| p.distance(c.center) < c.radius))
+        && !(rule.species.is_tree() && terrain.clearings().iter().any(|c| p.distance(c.center) < c.radius))
         && terrain
             .tracks()
             .iter()

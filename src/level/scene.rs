@@ -39,9 +39,7 @@ pub enum SceneError {
         text: String,
     },
     /// A setting without `=`, without key or without value, or given twice.
-    #[error(
-        "`{setting}` in `{text}` is not a setting: write key=value, separated by commas, each key once"
-    )]
+    #[error("`{setting}` in `{text}` is not a setting: write key=value, separated by commas, each key once")]
     Setting {
         /// The text.
         text: String,
@@ -49,9 +47,7 @@ pub enum SceneError {
         setting: String,
     },
     /// No such level.
-    #[error(
-        "there is no level `{name}`; there are: {known} (or give a path to a .glb or .gltf file)"
-    )]
+    #[error("there is no level `{name}`; there are: {known} (or give a path to a .glb or .gltf file)")]
     UnknownLevel {
         /// What was asked for.
         name: String,
@@ -89,11 +85,7 @@ impl SceneSource {
     pub fn name(&self) -> String {
         match self {
             Self::Level { name, .. } => name.clone(),
-            Self::Gltf(path) => path
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
+            Self::Gltf(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         }
     }
 
@@ -145,20 +137,14 @@ impl FromStr for SceneSource {
             return Err(SceneError::Form { text: text.into() });
         }
         let mut settings = BTreeMap::new();
-        for setting in settings_text
-            .into_iter()
-            .flat_map(|settings| settings.split(','))
-        {
+        for setting in settings_text.into_iter().flat_map(|settings| settings.split(',')) {
             let error = || SceneError::Setting {
                 text: text.into(),
                 setting: setting.into(),
             };
             let (key, value) = setting.split_once('=').ok_or_else(error)?;
             let (key, value) = (key.trim(), value.trim());
-            if key.is_empty()
-                || value.is_empty()
-                || settings.insert(key.into(), value.into()).is_some()
-            {
+            if key.is_empty() || value.is_empty() || settings.insert(key.into(), value.into()).is_some() {
                 return Err(error());
             }
         }
@@ -215,9 +201,7 @@ fn check_gltf(path: &Path) -> Result<(), SceneError> {
         return match serde_json::from_reader::<_, serde_json::Value>(io::BufReader::new(file)) {
             Ok(json) if json.get("asset").is_some() => Ok(()),
             Ok(_) => not_gltf("its JSON has no `asset`"),
-            Err(error) if error.is_eof() => {
-                not_gltf("its JSON ends too early: the file is truncated")
-            }
+            Err(error) if error.is_eof() => not_gltf("its JSON ends too early: the file is truncated"),
             Err(error) => not_gltf(&format!("it is not JSON ({error})")),
         };
     }
@@ -229,9 +213,7 @@ fn check_gltf(path: &Path) -> Result<(), SceneError> {
             more => got += more,
         }
     }
-    let word = |at: usize| {
-        u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
-    };
+    let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
     if !header.starts_with(b"glTF") {
         return not_gltf("it does not start with the letters glTF");
     }
@@ -239,10 +221,7 @@ fn check_gltf(path: &Path) -> Result<(), SceneError> {
         return not_gltf("it ends within its header: the file is truncated");
     }
     if word(4) != 2 {
-        return not_gltf(&format!(
-            "its version is {}, but only version 2 is read",
-            word(4)
-        ));
+        return not_gltf(&format!("its version is {}, but only version 2 is read", word(4)));
     }
     if about.len() < u64::from(word(8)) {
         return not_gltf(&format!(

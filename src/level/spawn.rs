@@ -84,18 +84,15 @@ pub fn to_mesh(data: MeshData) -> Mesh {
     let alpha = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
     let colors: Vec<[f32; 4]> = data.colors.into_iter().map(alpha).collect();
     let arrays = |vectors: Vec<Vec3>| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
-    Mesh::new(
-        PrimitiveTopology::TriangleList,
-        RenderAssetUsages::default(),
-    )
-    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, arrays(data.positions))
-    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, arrays(data.normals))
-    .with_inserted_attribute(
-        Mesh::ATTRIBUTE_UV_0,
-        data.uvs.iter().map(Vec2::to_array).collect::<Vec<_>>(),
-    )
-    .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
-    .with_inserted_indices(Indices::U32(data.indices))
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, arrays(data.positions))
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, arrays(data.normals))
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_UV_0,
+            data.uvs.iter().map(Vec2::to_array).collect::<Vec<_>>(),
+        )
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
+        .with_inserted_indices(Indices::U32(data.indices))
 }
 
 /// The asset collections that spawning adds to.
@@ -116,8 +113,7 @@ pub struct Palette {
 impl Palette {
     /// Adds materials and the models' meshes.
     pub fn new(assets: &mut LevelAssets, models: Vec<(Model, [Option<ReadyMesh>; 2])>) -> Self {
-        let mut add =
-            |part: Option<ReadyMesh>| part.map(|ready| (assets.meshes.add(ready.mesh), ready.aabb));
+        let mut add = |part: Option<ReadyMesh>| part.map(|ready| (assets.meshes.add(ready.mesh), ready.aabb));
         let models = models
             .into_iter()
             .map(|(model, parts)| (model, parts.map(&mut add)))
@@ -231,11 +227,7 @@ pub fn spawn_sun(commands: &mut Commands, sun: &SunSettings) {
 /// The transform of a light whose rays travel along `light_dir`.
 pub fn sun_transform(light_dir: Vec3) -> Transform {
     let direction = light_dir.normalize_or(Vec3::NEG_Y);
-    let up = if direction.y.abs() < 0.999 {
-        Vec3::Y
-    } else {
-        Vec3::Z
-    };
+    let up = if direction.y.abs() < 0.999 { Vec3::Y } else { Vec3::Z };
     Transform::default().looking_to(direction, up)
 }
 
@@ -254,10 +246,7 @@ mod tests {
         ] {
             let transform = sun_transform(light_dir);
             assert!(transform.is_finite(), "{light_dir}");
-            assert!(
-                transform.forward().dot(light_dir.normalize()) > 0.999_99,
-                "{light_dir}"
-            );
+            assert!(transform.forward().dot(light_dir.normalize()) > 0.999_99, "{light_dir}");
         }
     }
 }

@@ -62,10 +62,7 @@ impl Track {
             heights: vec![0.0; points.len()],
             points,
             width: shape.width,
-            free: shape
-                .fence
-                .map_or(0.0, |fence| fence.offset)
-                .max(0.5 * shape.width),
+            free: shape.fence.map_or(0.0, |fence| fence.offset).max(0.5 * shape.width),
         }
     }
 
@@ -144,12 +141,8 @@ impl Terrain {
                 let p = terrain.corner(i, j);
                 let height = tracks.iter().fold(level(p), |height, track| {
                     let (distance, trodden) = track.nearest(p);
-                    let inside = 1.0
-                        - smoothstep(
-                            0.5 * track.width + CELL,
-                            0.5 * track.width + CELL + SHOULDER,
-                            distance,
-                        );
+                    let inside =
+                        1.0 - smoothstep(0.5 * track.width + CELL, 0.5 * track.width + CELL + SHOULDER, distance);
                     height + (trodden - height) * inside
                 });
                 heights.push(height);
@@ -201,10 +194,7 @@ impl Terrain {
     fn locate(&self, p: Vec2) -> ([usize; 2], Vec2) {
         let grid = ((p + self.size * 0.5) / CELL).clamp(Vec2::ZERO, self.size / CELL);
         let cell = [grid.x, grid.y].map(|v| v as usize);
-        let cell = [
-            cell[0].min(self.cells[0] - 1),
-            cell[1].min(self.cells[1] - 1),
-        ];
+        let cell = [cell[0].min(self.cells[0] - 1), cell[1].min(self.cells[1] - 1)];
         (cell, grid - Vec2::new(cell[0] as f32, cell[1] as f32))
     }
 
@@ -285,10 +275,7 @@ impl Terrain {
         color = color.lerp(stone, smoothstep(0.55, 0.75, 1.0 - normal.y.powi(2)));
         for track in &self.tracks {
             let half = 0.5 * track.width;
-            color = color.lerp(
-                earth,
-                1.0 - smoothstep(half - 0.6, half + 1.4, track.distance(p)),
-            );
+            color = color.lerp(earth, 1.0 - smoothstep(half - 0.6, half + 1.4, track.distance(p)));
         }
         color *= 1.0 + 0.18 * noise::signed(self.seed, (p.x * 8.0) as i32, (p.y * 8.0) as i32);
         color.clamp(Vec3::ZERO, Vec3::ONE).to_array()
@@ -316,11 +303,7 @@ mod tests {
             }],
             tracks: vec![TrackShape {
                 width: 3.0,
-                points: vec![
-                    Vec2::new(-55.0, -20.0),
-                    Vec2::new(0.0, 5.0),
-                    Vec2::new(50.0, -10.0),
-                ],
+                points: vec![Vec2::new(-55.0, -20.0), Vec2::new(0.0, 5.0), Vec2::new(50.0, -10.0)],
                 fence: None,
             }],
         }
@@ -365,10 +348,7 @@ mod tests {
         let terrain = Terrain::new(&shape(), 3);
         let track = &terrain.tracks()[0];
         for i in (10..track.points.len() - 10).step_by(5) {
-            let across = (track.points[i + 1] - track.points[i - 1])
-                .normalize()
-                .perp()
-                * 1.5;
+            let across = (track.points[i + 1] - track.points[i - 1]).normalize().perp() * 1.5;
             let (left, right) = (
                 terrain.height(track.points[i] + across),
                 terrain.height(track.points[i] - across),
@@ -376,11 +356,7 @@ mod tests {
             assert!((left - right).abs() < 0.35, "{left} {right}");
         }
         let middle = terrain.height(Vec2::new(-20.0, 10.0));
-        for offset in [
-            Vec2::new(4.0, 5.0),
-            Vec2::new(-6.0, 4.0),
-            Vec2::new(0.0, 8.0),
-        ] {
+        for offset in [Vec2::new(4.0, 5.0), Vec2::new(-6.0, 4.0), Vec2::new(0.0, 8.0)] {
             let height = terrain.height(Vec2::new(-20.0, 10.0) + offset);
             assert!((height - middle).abs() < 0.5, "{height} {middle}");
         }
@@ -399,9 +375,6 @@ mod tests {
     #[test]
     fn the_seed_changes_the_hills() {
         assert_eq!(Terrain::new(&shape(), 3), Terrain::new(&shape(), 3));
-        assert_ne!(
-            Terrain::new(&shape(), 3).heights,
-            Terrain::new(&shape(), 4).heights
-        );
+        assert_ne!(Terrain::new(&shape(), 3).heights, Terrain::new(&shape(), 4).heights);
     }
 }

@@ -55,11 +55,7 @@ pub enum LevelError {
 }
 
 /// A value out of its limits.
-fn wrong(
-    field: impl Into<String>,
-    value: impl ToString,
-    expected: impl Into<String>,
-) -> LevelError {
+fn wrong(field: impl Into<String>, value: impl ToString, expected: impl Into<String>) -> LevelError {
     LevelError::Value {
         field: field.into(),
         value: value.to_string(),
@@ -113,11 +109,7 @@ fn light_dir(field: &str, value: Vec3) -> Result<(), LevelError> {
     if value.is_finite() && value.length_squared() > 1e-12 && value.length_squared() < 1e12 {
         Ok(())
     } else {
-        Err(wrong(
-            field,
-            value,
-            "a direction of finite length other than zero",
-        ))
+        Err(wrong(field, value, "a direction of finite length other than zero"))
     }
 }
 
@@ -241,9 +233,7 @@ impl Level {
                 let (mut left_total, mut left) = (total, wanted);
                 for rule in self.scatter.iter_mut().filter(trees) {
                     // The rest goes to the rules that are left, so that the sum is exact.
-                    let share = (left * u64::from(rule.count))
-                        .checked_div(left_total)
-                        .unwrap_or(0);
+                    let share = (left * u64::from(rule.count)).checked_div(left_total).unwrap_or(0);
                     left_total -= u64::from(rule.count);
                     left -= share;
                     rule.count = u32::try_from(share).unwrap_or(MAX_COUNT);
@@ -273,12 +263,7 @@ impl TerrainShape {
         if let Some(hills) = self.hills {
             for (axis, size) in [("x", self.size.x), ("y", self.size.y)] {
                 // Hills are a grid of 2 m: 2 km are a million heights.
-                number(
-                    &format!("terrain.size.{axis} with hills"),
-                    size,
-                    4.0,
-                    2_000.0,
-                )?;
+                number(&format!("terrain.size.{axis} with hills"), size, 4.0, 2_000.0)?;
             }
             number("terrain.hills.amplitude", hills.amplitude, 0.0, 500.0)?;
             number("terrain.hills.wavelength", hills.wavelength, 4.0, 20_000.0)?;
@@ -292,17 +277,8 @@ impl TerrainShape {
             )?;
         }
         for (i, clearing) in self.clearings.iter().enumerate() {
-            inside(
-                &format!("terrain.clearings[{i}].center"),
-                clearing.center,
-                self.size,
-            )?;
-            number(
-                &format!("terrain.clearings[{i}].radius"),
-                clearing.radius,
-                0.1,
-                1_000.0,
-            )?;
+            inside(&format!("terrain.clearings[{i}].center"), clearing.center, self.size)?;
+            number(&format!("terrain.clearings[{i}].radius"), clearing.radius, 0.1, 1_000.0)?;
         }
         for (i, track) in self.tracks.iter().enumerate() {
             let field = format!("terrain.tracks[{i}]");
@@ -325,12 +301,7 @@ impl TerrainShape {
                 }
             }
             if let Some(fence) = track.fence {
-                number(
-                    &format!("{field}.fence.post_spacing"),
-                    fence.post_spacing,
-                    0.2,
-                    50.0,
-                )?;
+                number(&format!("{field}.fence.post_spacing"), fence.post_spacing, 0.2, 50.0)?;
                 number(&format!("{field}.fence.height"), fence.height, 0.2, 10.0)?;
                 number(&format!("{field}.fence.offset"), fence.offset, 0.0, 50.0)?;
             }
@@ -345,12 +316,7 @@ impl Generator {
             Self::Forest(forest) => {
                 for (i, hut) in forest.huts.iter().enumerate() {
                     inside(&format!("generator.huts[{i}].position"), hut.position, size)?;
-                    number(
-                        &format!("generator.huts[{i}].yaw_deg"),
-                        hut.yaw_deg,
-                        -360.0,
-                        360.0,
-                    )?;
+                    number(&format!("generator.huts[{i}].yaw_deg"), hut.yaw_deg, -360.0, 360.0)?;
                 }
                 Ok(())
             }
@@ -360,12 +326,7 @@ impl Generator {
                 interval("generator.block_side", city.block_side, 20.0, 200.0)?;
                 number("generator.street", city.street, 4.0, 60.0)?;
                 number("generator.avenue", city.avenue, 4.0, 100.0)?;
-                number(
-                    "generator.pavement",
-                    city.pavement,
-                    1.5,
-                    0.2 * city.block_side.0,
-                )?;
+                number("generator.pavement", city.pavement, 1.5, 0.2 * city.block_side.0)?;
                 count("generator.max_floors", city.max_floors, 1, 200)?;
                 number("generator.tower_height", city.tower_height, 20.0, 1_000.0)?;
                 count("generator.cars", city.cars, 0, MAX_COUNT)
@@ -382,10 +343,7 @@ impl Generator {
                 number("generator.radius", *radius, 0.001, 0.4 * spacing)?;
                 number("generator.gap", *gap, 3.0 * radius, size.x)
             }
-            Self::Room(Room::Fence {
-                post_spacing,
-                height,
-            }) => {
+            Self::Room(Room::Fence { post_spacing, height }) => {
                 number("generator.post_spacing", *post_spacing, 0.2, 100.0)?;
                 number("generator.height", *height, 0.2, 100.0)
             }
@@ -457,11 +415,7 @@ impl CameraPath {
         for (i, key) in self.keys.iter().enumerate() {
             let field = format!("{field}.keys[{i}]");
             view(&field, key.position, key.target)?;
-            let earliest = if i == 0 {
-                0.0
-            } else {
-                self.keys[i - 1].time + 1e-3
-            };
+            let earliest = if i == 0 { 0.0 } else { self.keys[i - 1].time + 1e-3 };
             number(&format!("{field}.time"), key.time, earliest, 1e6)?;
         }
         Ok(())

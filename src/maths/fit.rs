@@ -82,6 +82,9 @@ pub struct FitInput<'a> {
     pub guard_texels: f64,
     /// Metres left free around the receivers, for lookups that move the receiver before they project it.
     pub guard_metres: f64,
+    /// Largest ratio between the texel sides at the far and the near end of the map, across the warp axis (along the axis
+    /// the ratio is the square). More than 1; infinite: no limit. For lookups whose bias cannot follow the local texel.
+    pub largest_texel_ratio: f64,
 }
 
 /// Why there is no light view.
@@ -129,7 +132,7 @@ pub struct LightFit {
     pub axes: LightAxes,
     /// n': distance from the projection centre to the near side of the warp frustum, in metres. Infinite: uniform.
     pub warp_near: f64,
-    /// The strength that was used, after the guard: −1 uniform, 0 `LiSPSM`, 1 `PSM`.
+    /// The strength that was used, after guard and limit: −1 uniform, 0 `LiSPSM`, 1 `PSM`.
     pub eta: f64,
     /// Mean side of a texel at the middle of B, in metres in the light plane.
     pub texel_size: f64,
@@ -183,7 +186,10 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
             _ => {}
         }
     }
-    if !input.light_travel.is_finite() || input.guard_texels.is_nan() || input.guard_metres.is_nan()
+    if !input.light_travel.is_finite()
+        || input.guard_texels.is_nan()
+        || input.guard_metres.is_nan()
+        || input.largest_texel_ratio.is_nan()
     {
         return Fit::Degenerate(Unfit::NotFinite);
     }
@@ -295,11 +301,15 @@ impl Bodies {
             })
             .collect();
         let eta = guarded_eta(input.warp.eta(), &samples, &span);
-        let near = span.warp_near(eta);
-        if near.is_finite() {
+        let wanted = span.warp_near(eta);
+        let near = wanted.max(self.extent / (input.largest_texel_ratio - 1.0).max(0.0));
+        if near == f64::INFINITY {
+            ChosenWarp::UNIFORM
+        } else if near == wanted {
             ChosenWarp { near, eta }
         } else {
-            ChosenWarp::UNIFORM
+            let eta = span.eta(near);
+            ChosenWarp { near, eta }
         }
     }
 }

@@ -110,6 +110,7 @@ impl Fitter<'_> {
             map_size: self.settings.map_size,
             guard_texels: GUARD_TEXELS,
             guard_metres: 0.0,
+            largest_texel_ratio: f64::INFINITY,
         };
         let fit = match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),

@@ -5,9 +5,11 @@
 //!
 //! **Bias.** Bevy moves a receiver along its normal by a multiple of one texel size per cascade before it looks it up,
 //! but the texels of a warped map grow from its near end to its far end. The largest texel is what a cascade reports:
-//! then the far end has no acne, and nearer receivers are moved by as much as the far ones, more than they need. Bevy's
-//! constant bias, which would detach shadows near the eye, is set to a millimetre. The maps are fitted with that much
-//! room around the receivers, so that a moved receiver never leaves its map. The full path has neither limit.
+//! then the far end has no acne, and nearer receivers are moved by as much as the far ones, more than they need. So that
+//! this does not eat the shadows near the eye, the warp is limited: texels at the far end are at most two and a half
+//! times as wide as at the near end. Bevy's constant bias, which would detach shadows near the eye, is set to a
+//! millimetre. The maps are fitted with that much room around the receivers, so that a moved receiver never leaves its
+//! map. The full path has none of these limits.
 
 use bevy::light::{CascadeShadowConfig, Cascades, cascade::Cascade};
 
@@ -21,9 +23,12 @@ use crate::maths::fit::{FitInput, LightFit, fit_light_view};
 /// Texels that Bevy's widest filter (a Gaussian over 5×5) reads beyond a point, and one for rounding.
 const GUARD_TEXELS: f64 = 4.0;
 
-/// Normal bias in texels before Bevy multiplies it by √2: a little less than Bevy's default, because the texel size that
-/// is reported is the largest instead of the mean.
-const NORMAL_BIAS: f32 = 1.5;
+/// Normal bias in texels before Bevy multiplies it by √2: less than Bevy's default, because the texel size that is
+/// reported is the largest.
+const NORMAL_BIAS: f32 = 1.3;
+
+/// Limit of the warp where there is a normal bias: texels at the far end over texels at the near end.
+const LARGEST_TEXEL_RATIO: f64 = 2.5;
 
 /// Constant bias in metres: covers rounding of depths.
 const DEPTH_BIAS: f32 = 0.001;
@@ -39,18 +44,25 @@ pub fn biases(bias: ShadowBias) -> (f32, f32) {
 
 /// Fits a light view with room for Bevy's filter and normal bias.
 pub(super) fn fit(input: FitInput, bias: ShadowBias) -> Option<LightFit> {
+    let (_, normal_bias) = biases(bias);
     let input = FitInput {
         guard_texels: GUARD_TEXELS,
         ..input
     };
-    let first = fit_light_view(&input).fitted()?;
-    let (_, normal_bias) = biases(bias);
+    if normal_bias == 0.0 {
+        return fit_light_view(&input).fitted();
+    }
+    let limited = FitInput {
+        largest_texel_ratio: LARGEST_TEXEL_RATIO,
+        ..input
+    };
+    let first = fit_light_view(&limited).fitted()?;
     let moved_by = f64::from(normal_bias) * std::f64::consts::SQRT_2 * first.largest_texel_size;
     // The room itself makes texels a little larger.
     let guard_metres = moved_by * 1.1;
     fit_light_view(&FitInput {
         guard_metres,
-        ..input
+        ..limited
     })
     .fitted()
 }

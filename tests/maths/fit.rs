@@ -29,6 +29,7 @@ fn the_published_matrix() {
         map_size: 1024,
         guard_texels: 0.0,
         guard_metres: 0.0,
+        largest_texel_ratio: f64::INFINITY,
     })
     .fitted()
     .expect("a frustum lit from above");
@@ -183,6 +184,7 @@ fn guard_texels_stay_free() {
         map_size: 256,
         guard_texels: 3.0,
         guard_metres: 0.0,
+        largest_texel_ratio: f64::INFINITY,
     };
     let fit = fit_light_view(&input).fitted().expect("a proper camera");
     let largest = body
@@ -201,6 +203,39 @@ fn guard_texels_stay_free() {
 }
 
 #[test]
+fn the_warp_can_be_limited() {
+    let view = papers_camera(1.0, 60.0);
+    let (visible, body) = bodies(&view, &huge_scene(), DVec3::NEG_Y);
+    let fit = |largest_texel_ratio| {
+        fit_light_view(&FitInput {
+            view: &view,
+            visible: &visible,
+            body: &body,
+            light_travel: DVec3::NEG_Y,
+            warp: Warp::Lispsm,
+            map_size: 256,
+            guard_texels: 0.0,
+            guard_metres: 0.0,
+            largest_texel_ratio,
+        })
+        .fitted()
+        .expect("a proper camera")
+    };
+    let width =
+        |fit: &LightFit, depth: f64| (fit.clip_from_world * (DVec3::NEG_Z * depth).extend(1.0)).w;
+    let limited = fit(2.5);
+    close(width(&limited, 60.0) / width(&limited, 1.0), 2.5, 1.0e-9);
+    assert!(limited.eta > -1.0 && limited.eta < 0.0, "{}", limited.eta);
+    assert_eq!(
+        fit(1.0e3),
+        fit(f64::INFINITY),
+        "a limit beyond the wanted warp changes nothing"
+    );
+    assert_eq!(fit(1.0).warp_near, f64::INFINITY);
+    assert_eq!(fit(-3.0).warp_near, f64::INFINITY);
+}
+
+#[test]
 fn moved_receivers_stay_inside() {
     let view = papers_camera(1.0, 60.0);
     let light_travel = DVec3::new(0.2, -1.0, 0.1);
@@ -214,6 +249,7 @@ fn moved_receivers_stay_inside() {
         map_size: 256,
         guard_texels: 0.0,
         guard_metres: 0.7,
+        largest_texel_ratio: f64::INFINITY,
     })
     .fitted()
     .expect("a proper camera");
@@ -385,6 +421,7 @@ fn inputs_without_an_answer_are_named() {
             map_size: 0,
             guard_texels: 1.0,
             guard_metres: 0.0,
+            largest_texel_ratio: f64::INFINITY,
         })
     };
     let down = DVec3::NEG_Y;

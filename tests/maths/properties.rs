@@ -164,7 +164,7 @@ proptest! {
         let (visible, body) = bodies(&view, &scene, light_travel);
         prop_assume!(!visible.is_empty());
         let guard_texels = 2.0;
-        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0 }).fitted();
+        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0, largest_texel_ratio: f64::INFINITY }).fitted();
         prop_assert!(fit.is_some());
         let fit = fit.unwrap();
         prop_assert!(fit.clip_from_light.determinant() > 0.0, "mirrored");

@@ -16,6 +16,7 @@ use bevy::{
 };
 use umbrage::{
     cli::headless,
+    level::find::asset_root,
     prelude::*,
     render::{
         atlas::{ShadowAtlas, ShadowResult},
@@ -41,7 +42,8 @@ pub(crate) fn eye() -> Transform {
 impl Harness {
     /// An app with Umbrage and one perspective camera; nothing else.
     pub(crate) fn new(size: UVec2, eye: Transform) -> Self {
-        let mut app = headless::app(Path::new(env!("CARGO_MANIFEST_DIR")))
+        let root = asset_root(Some(Path::new(env!("CARGO_MANIFEST_DIR")))).unwrap_or_else(|error| panic!("{error}"));
+        let mut app = headless::app(&root)
             .unwrap_or_else(|error| panic!("{error}"));
         app.add_plugins(UmbragePlugins);
         let target = add_target(&mut app, size);

@@ -3,4 +3,5 @@
 mod harness;
 mod identity;
 mod lighting;
+mod lookup;
 mod truth;

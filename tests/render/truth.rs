@@ -176,13 +176,13 @@ fn warped_partitions_are_nearly_exact() {
                 light,
                 settings(&format!("zp4+lispsm:size=512,filter={filter}")),
             );
-            // Measured: see the test's output; the bound leaves a factor of two.
+            // Measured on llvmpipe: at most 0.0011 and 0.0011; the bound leaves a factor of two.
             assert!(
-                false_shadow < 0.004,
+                false_shadow < 0.0022,
                 "{filter}: {false_shadow} of the pixels are wrongly in shadow"
             );
             assert!(
-                false_lit < 0.004,
+                false_lit < 0.0022,
                 "{filter}: {false_lit} of the pixels are wrongly lit"
             );
         }

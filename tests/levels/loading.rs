@@ -1,0 +1,290 @@
+//! Loading in an app without window and renderer.
+
+use std::{fs, path::PathBuf, time::Instant};
+
+use bevy::{
+    app::PluginsState, camera::primitives::Aabb, gltf::GltfPlugin, prelude::*,
+    world_serialization::WorldSerializationPlugin,
+};
+use umbrage::level::{
+    LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, loader, scene::SceneSource,
+};
+
+use crate::sources::{glb, root};
+
+fn app_with(root: &find::AssetRoot) -> App {
+    let mut app = App::new();
+    loader::register_sources(&mut app, root);
+    app.add_plugins((
+        MinimalPlugins,
+        loader::asset_plugin(root),
+        TransformPlugin,
+        ImagePlugin::default(),
+        WorldSerializationPlugin,
+        GltfPlugin::default(),
+    ))
+    .init_asset::<Mesh>()
+    .init_asset::<StandardMaterial>()
+    .add_plugins(LevelPlugin { assets: root.clone() });
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn request(app: &mut App, source: SceneSource) {
+    app.world_mut().resource_mut::<RequestedScene>().0 = Some(source);
+}
+
+/// Updates until the scene is ready or has failed; gives the sentence of a failure. Progress must not fall.
+fn wait(app: &mut App) -> Result<(), String> {
+    let start = Instant::now();
+    let mut last = 0;
+    loop {
+        app.update();
+        match app.world().resource::<SceneStatus>() {
+            SceneStatus::Ready => return Ok(()),
+            SceneStatus::Failed(sentence) => return Err(sentence.clone()),
+            SceneStatus::Loading { done, total, what } => {
+                assert!(
+                    *done >= last && done <= total,
+                    "progress fell from {last} to {done}: {what}"
+                );
+                last = *done;
+            }
+            SceneStatus::Idle => panic!("idle after a request"),
+        }
+        assert!(start.elapsed().as_secs() < 60, "still loading after a minute");
+    }
+}
+
+fn count<T: Component>(app: &mut App) -> usize {
+    app.world_mut().query::<&T>().iter(app.world()).count()
+}
+
+#[test]
+fn a_room_becomes_ready_with_everything_in_it() {
+    let mut app = app_with(&root());
+    app.update();
+    assert_eq!(*app.world().resource::<SceneStatus>(), SceneStatus::Idle);
+    request(&mut app, SceneSource::level("room/plane_box"));
+    wait(&mut app).unwrap();
+    let scene = app.world().resource::<LoadedScene>();
+    assert_eq!(scene.name, "room/plane_box");
+    assert_eq!(scene.shots.len(), 3);
+    assert_eq!(scene.ground.blockers().len(), 1);
+    // Plane, cube, sun.
+    assert_eq!(count::<LevelEntity>(&mut app), 3);
+    assert_eq!(count::<Mesh3d>(&mut app), 2);
+    let mut suns = app
+        .world_mut()
+        .query_filtered::<(&DirectionalLight, &Transform), With<Sun>>();
+    let (light, transform) = suns.single(app.world()).unwrap();
+    assert!(light.shadow_maps_enabled);
+    let scene = app.world().resource::<LoadedScene>();
+    assert!(transform.forward().dot(scene.sun.light_dir.normalize()) > 0.9999);
+}
+
+#[test]
+fn another_request_replaces_the_scene_and_none_clears_it() {
+    let mut app = app_with(&root());
+    request(&mut app, SceneSource::level("room/fence"));
+    wait(&mut app).unwrap();
+    let fence = count::<LevelEntity>(&mut app);
+    request(&mut app, SceneSource::level("room/plane_box"));
+    wait(&mut app).unwrap();
+    assert_eq!(count::<LevelEntity>(&mut app), 3);
+    request(&mut app, SceneSource::level("room/fence"));
+    wait(&mut app).unwrap();
+    assert_eq!(count::<LevelEntity>(&mut app), fence);
+    app.world_mut().resource_mut::<RequestedScene>().0 = None;
+    app.update();
+    assert_eq!(*app.world().resource::<SceneStatus>(), SceneStatus::Idle);
+    assert_eq!(count::<LevelEntity>(&mut app), 0);
+    assert!(!app.world().contains_resource::<LoadedScene>());
+}
+
+#[test]
+fn a_request_may_interrupt_another() {
+    let mut app = app_with(&root());
+    for updates in 0..6 {
+        request(&mut app, SceneSource::level("forest"));
+        for _ in 0..updates {
+            app.update();
+        }
+        request(&mut app, SceneSource::level("room/plane_box"));
+        wait(&mut app).unwrap();
+        assert_eq!(count::<LevelEntity>(&mut app), 3, "after {updates} updates");
+    }
+}
+
+#[test]
+fn the_forest_shares_its_meshes_and_materials_and_settings_reach_it() {
+    let mut app = app_with(&root());
+    request(&mut app, "forest:count=300".parse().unwrap());
+    wait(&mut app).unwrap();
+    let meshes: std::collections::HashSet<_> = app
+        .world_mut()
+        .query::<&Mesh3d>()
+        .iter(app.world())
+        .map(|mesh| mesh.id())
+        .collect();
+    let materials: std::collections::HashSet<_> = app
+        .world_mut()
+        .query::<&MeshMaterial3d<StandardMaterial>>()
+        .iter(app.world())
+        .map(|m| m.id())
+        .collect();
+    let entities = count::<Mesh3d>(&mut app);
+    assert!(
+        entities > 1000 && meshes.len() < 80,
+        "{entities} entities, {} meshes",
+        meshes.len()
+    );
+    assert_eq!(materials.len(), 2);
+    assert_eq!(count::<Aabb>(&mut app), entities);
+}
+
+#[test]
+fn what_cannot_be_loaded_fails_with_a_sentence() {
+    let mut app = app_with(&root());
+    for (source, part) in [
+        ("nowhere", "there is no level `nowhere`; there are: city, forest"),
+        ("room/fence:count=3", "no setting `count`"),
+        ("forest:count=-3", "`count` is -3"),
+        ("none.glb", "none.glb: there is no such file"),
+    ] {
+        request(&mut app, source.parse().unwrap());
+        let sentence = wait(&mut app).unwrap_err();
+        assert!(sentence.contains(part), "{sentence}");
+        assert_eq!(sentence.lines().count(), 1, "{sentence}");
+        assert_eq!(count::<LevelEntity>(&mut app), 0);
+    }
+    // And it recovers.
+    request(&mut app, SceneSource::level("room/plane_box"));
+    wait(&mut app).unwrap();
+}
+
+#[test]
+fn a_broken_level_file_fails_with_file_line_and_field() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("levels")).unwrap();
+    let good = fs::read_to_string(root().levels().join("room/plane_box.level.ron")).unwrap();
+    let write =
+        |name: &str, text: String| fs::write(folder.path().join(format!("levels/{name}.level.ron")), text).unwrap();
+    write("typo", good.replace("illuminance:", "iluminance:"));
+    write(
+        "nan",
+        good.replace("seed: 1", "seed: 1").replace("near: 0.5", "near: NaN"),
+    );
+    write("renamed", good);
+    let root = find::asset_root(Some(folder.path())).unwrap();
+    let mut app = app_with(&root);
+    for (name, parts) in [
+        ("typo", ["levels/typo.level.ron", "line 9", "iluminance"]),
+        ("nan", ["levels/nan.level.ron", "`shots[0].near`", "NaN"]),
+        (
+            "renamed",
+            ["levels/renamed.level.ron", "room/plane_box", "must be its path"],
+        ),
+    ] {
+        request(&mut app, SceneSource::level(name));
+        let sentence = wait(&mut app).unwrap_err();
+        for part in parts {
+            assert!(sentence.contains(part), "{sentence}");
+        }
+    }
+}
+
+/// A triangle of 2 m as a glTF document; `uri` is where its 36 bytes of positions are.
+fn triangle(uri: Option<&str>) -> String {
+    let uri = uri.map(|uri| format!(r#""uri":"{uri}","#)).unwrap_or_default();
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,1]}}],
+        "nodes":[{{"mesh":0,"translation":[10,0,0]}},{{"camera":0}}],
+        "cameras":[{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[2,2,0]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{{uri}"byteLength":36}}]}}"#
+    )
+}
+
+fn positions() -> Vec<u8> {
+    [0.0_f32, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0]
+        .into_iter()
+        .flat_map(f32::to_le_bytes)
+        .collect()
+}
+
+fn check_triangle(app: &mut App, path: PathBuf) {
+    request(app, SceneSource::Gltf(path));
+    wait(app).unwrap();
+    let scene = app.world().resource::<LoadedScene>();
+    assert_eq!(scene.name, "model");
+    assert_eq!(scene.shots.len(), 1);
+    assert_eq!(scene.notes.len(), 1, "{:?}", scene.notes);
+    let target = Vec3::from(scene.shots[0].target);
+    assert!((target - Vec3::new(11.0, 1.0, 0.0)).length() < 1e-4, "{target}");
+    assert_eq!(count::<Sun>(app), 1);
+    assert_eq!(count::<Camera3d>(app), 0, "the file's own cameras must not draw");
+}
+
+#[test]
+fn a_glb_outside_the_assets_becomes_ready_with_a_shot_that_frames_it() {
+    let folder = tempfile::tempdir().unwrap();
+    // A folder name that Bevy's own path syntax would split at.
+    let odd = folder.path().join("odd #1");
+    fs::create_dir(&odd).unwrap();
+    fs::write(odd.join("model.glb"), glb(&triangle(None), &positions(), 0)).unwrap();
+    let mut app = app_with(&root());
+    check_triangle(&mut app, odd.join("model.glb"));
+    // Again, and away.
+    check_triangle(&mut app, odd.join("model.glb"));
+    request(&mut app, SceneSource::level("room/plane_box"));
+    wait(&mut app).unwrap();
+    assert_eq!(count::<Mesh3d>(&mut app), 2);
+}
+
+#[test]
+fn a_gltf_finds_the_files_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("model.gltf"), triangle(Some("model.bin"))).unwrap();
+    fs::write(folder.path().join("model.bin"), positions()).unwrap();
+    check_triangle(&mut app_with(&root()), folder.path().join("model.gltf"));
+}
+
+#[test]
+fn gltf_files_that_bevy_refuses_fail_with_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: Vec<u8>| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    };
+    let empty = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{}]}"#;
+    let cases = [
+        (
+            write("no-scene.glb", glb(r#"{"asset":{"version":"2.0"}}"#, &[], 0)),
+            "holds no scene",
+        ),
+        (write("no-mesh.glb", glb(empty, &[], 0)), "holds no triangles"),
+        (write("garbage.glb", glb(r#"{"asset": 7}"#, &[], 0)), "garbage.glb"),
+        (
+            write("no-buffer.gltf", triangle(Some("gone.bin")).into_bytes()),
+            "gone.bin",
+        ),
+        (
+            write("short-buffer.glb", glb(&triangle(None), &positions()[..12], 0)),
+            "short-buffer.glb",
+        ),
+    ];
+    let mut app = app_with(&root());
+    for (path, part) in cases {
+        request(&mut app, SceneSource::Gltf(path));
+        let sentence = wait(&mut app).unwrap_err();
+        assert!(sentence.contains(part), "{sentence}");
+        assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    }
+}
