@@ -68,10 +68,7 @@ mod tests {
         let one = shots(&path(&[(2.0, 7.0)]), Vec3::NEG_Y, 1, UVec2::ONE);
         assert_eq!(one.len(), 1);
         assert_eq!(one[0].position[0], 7.0);
-        assert!(
-            shots(&path(&[]), Vec3::NEG_Y, 8, UVec2::ONE).is_empty(),
-            "no keys"
-        );
+        assert!(shots(&path(&[]), Vec3::NEG_Y, 8, UVec2::ONE).is_empty(), "no keys");
         assert!(
             shots(&path(&[(0.0, 0.0)]), Vec3::NEG_Y, 0, UVec2::ONE).is_empty(),
             "no pictures"

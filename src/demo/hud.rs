@@ -58,8 +58,7 @@ pub(super) fn plugin(app: &mut App) {
         (
             fade_notice,
             write_technique,
-            write_status
-                .run_if(on_real_timer(REFRESH).or_else(resource_exists_and_changed::<LoadedScene>)),
+            write_status.run_if(on_real_timer(REFRESH).or_else(resource_exists_and_changed::<LoadedScene>)),
         )
             .chain()
             .in_set(DemoSystems::Show)
@@ -89,9 +88,7 @@ fn write_technique(chosen: Res<Chosen>, mut hud: ResMut<HudText>) {
         Technique::Umbrage(settings) => Setting::ALL
             .iter()
             .zip(1..)
-            .map(|(setting, key)| {
-                format!("{key}  {:<10}  {}", setting.name(), setting.value(settings))
-            })
+            .map(|(setting, key)| format!("{key}  {:<10}  {}", setting.name(), setting.value(settings)))
             .chain(["T: next technique   F1: help".to_owned()])
             .collect::<Vec<_>>()
             .join("\n"),
@@ -106,18 +103,11 @@ fn write_status(
     suns: Query<&Transform, With<Sun>>,
     mut hud: ResMut<HudText>,
 ) {
-    let smoothed = |path| {
-        diagnostics
-            .get(&path)
-            .and_then(|diagnostic| diagnostic.smoothed())
-    };
+    let smoothed = |path| diagnostics.get(&path).and_then(|diagnostic| diagnostic.smoothed());
     let frame_time = smoothed(FrameTimeDiagnosticsPlugin::FRAME_TIME);
     let mut lines = vec![match frame_time {
         Some(milliseconds) if milliseconds > 0.0 => {
-            format!(
-                "{milliseconds:.1} ms   {:.0} frames/s",
-                1000.0 / milliseconds
-            )
+            format!("{milliseconds:.1} ms   {:.0} frames/s", 1000.0 / milliseconds)
         }
         _ => "- ms".to_owned(),
     }];

@@ -119,10 +119,7 @@ pub const ROWS: &[Row] = {
         ),
         playing(
             "faster, while held",
-            &[
-                (Key(KeyCode::ShiftLeft), Faster),
-                (Key(KeyCode::ShiftRight), Faster),
-            ],
+            &[(Key(KeyCode::ShiftLeft), Faster), (Key(KeyCode::ShiftRight), Faster)],
         ),
         playing("look around", &[(Mouse, Look)]),
         playing("fly or walk", &[(Key(KeyCode::KeyF), ToggleFly)]),
@@ -132,16 +129,10 @@ pub const ROWS: &[Row] = {
         ),
         playing(
             "down, when flying",
-            &[
-                (Key(KeyCode::KeyQ), Down),
-                (Key(KeyCode::ControlLeft), Down),
-            ],
+            &[(Key(KeyCode::KeyQ), Down), (Key(KeyCode::ControlLeft), Down)],
         ),
         playing("next technique", &[(Plain(KeyCode::KeyT), NextTechnique)]),
-        playing(
-            "previous technique",
-            &[(Shift(KeyCode::KeyT), PreviousTechnique)],
-        ),
+        playing("previous technique", &[(Shift(KeyCode::KeyT), PreviousTechnique)]),
         playing(
             "next value of a setting",
             &[
@@ -179,10 +170,7 @@ pub const ROWS: &[Row] = {
                 (Key(KeyCode::ArrowDown), SunDown),
             ],
         ),
-        playing(
-            "move the sun by mouse, while held",
-            &[(Key(KeyCode::KeyL), SunDrag)],
-        ),
+        playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
         playing("photo into out/", &[(Key(KeyCode::KeyP), Photo)]),
         playing("next level", &[(Key(KeyCode::KeyN), NextScene)]),
@@ -293,18 +281,13 @@ impl Intent {
         let bindings = || ROWS.iter().flat_map(|row| row.triggers);
         let held = |action: Action| {
             bindings().any(|(trigger, bound)| {
-                *bound == action
-                    && trigger.allows(shift)
-                    && trigger.key().is_some_and(|key| keys.pressed(key))
+                *bound == action && trigger.allows(shift) && trigger.key().is_some_and(|key| keys.pressed(key))
             })
         };
-        let axis =
-            |minus: Action, plus: Action| f32::from(i8::from(held(plus)) - i8::from(held(minus)));
+        let axis = |minus: Action, plus: Action| f32::from(i8::from(held(plus)) - i8::from(held(minus)));
 
         let started = bindings()
-            .filter(|(trigger, _)| {
-                trigger.allows(shift) && trigger.key().is_some_and(|key| keys.just_pressed(key))
-            })
+            .filter(|(trigger, _)| trigger.allows(shift) && trigger.key().is_some_and(|key| keys.just_pressed(key)))
             .map(|(_, action)| *action)
             .collect();
 
@@ -356,11 +339,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(PreUpdate, read_input.after(InputSystems));
 }
 
-fn read_input(
-    keys: Res<ButtonInput<KeyCode>>,
-    mouse: Res<AccumulatedMouseMotion>,
-    mut intent: ResMut<Intent>,
-) {
+fn read_input(keys: Res<ButtonInput<KeyCode>>, mouse: Res<AccumulatedMouseMotion>, mut intent: ResMut<Intent>) {
     *intent = Intent::read(&keys, mouse.delta);
 }
 
@@ -378,24 +357,10 @@ mod tests {
 
     #[test]
     fn keys_move_along_the_three_axes_and_cancel_out() {
-        let intent = Intent::read(
-            &pressed(&[KeyCode::KeyW, KeyCode::KeyD, KeyCode::Space]),
-            Vec2::ZERO,
-        );
-        assert_eq!(
-            intent.movement,
-            Vec3::new(1.0, 1.0, 1.0),
-            "right, up, forward"
-        );
-        let intent = Intent::read(
-            &pressed(&[KeyCode::KeyW, KeyCode::KeyS, KeyCode::KeyA]),
-            Vec2::ZERO,
-        );
-        assert_eq!(
-            intent.movement,
-            Vec3::new(-1.0, 0.0, 0.0),
-            "opposite keys cancel out"
-        );
+        let intent = Intent::read(&pressed(&[KeyCode::KeyW, KeyCode::KeyD, KeyCode::Space]), Vec2::ZERO);
+        assert_eq!(intent.movement, Vec3::new(1.0, 1.0, 1.0), "right, up, forward");
+        let intent = Intent::read(&pressed(&[KeyCode::KeyW, KeyCode::KeyS, KeyCode::KeyA]), Vec2::ZERO);
+        assert_eq!(intent.movement, Vec3::new(-1.0, 0.0, 0.0), "opposite keys cancel out");
         assert!(!intent.faster, "no Shift");
         assert!(
             Intent::read(&pressed(&[KeyCode::ShiftRight]), Vec2::ZERO).faster,
@@ -445,15 +410,8 @@ mod tests {
         );
         let drag = Intent::read(&pressed(&[KeyCode::KeyL]), Vec2::new(10.0, -5.0));
         assert_eq!(drag.look, Vec2::ZERO, "the view stands still");
-        assert!(
-            drag.sun_drag.x > 0.0 && drag.sun_drag.y > 0.0,
-            "right and up"
-        );
-        assert_eq!(
-            Intent::read(&pressed(&[]), Vec2::NAN).look,
-            Vec2::ZERO,
-            "not a number"
-        );
+        assert!(drag.sun_drag.x > 0.0 && drag.sun_drag.y > 0.0, "right and up");
+        assert_eq!(Intent::read(&pressed(&[]), Vec2::NAN).look, Vec2::ZERO, "not a number");
     }
 
     #[test]
@@ -462,16 +420,12 @@ mod tests {
         for row in ROWS {
             for (trigger, _) in row.triggers {
                 for (other, when) in &seen {
-                    let together =
-                        row.when == *when || row.when == When::Both || *when == When::Both;
+                    let together = row.when == *when || row.when == When::Both || *when == When::Both;
                     let same_key = trigger.key().is_some() && trigger.key() == other.key();
                     let same_shift = [false, true]
                         .iter()
                         .any(|shift| trigger.allows(*shift) && other.allows(*shift));
-                    assert!(
-                        !(together && same_key && same_shift),
-                        "{trigger:?} is bound twice"
-                    );
+                    assert!(!(together && same_key && same_shift), "{trigger:?} is bound twice");
                 }
                 seen.push((*trigger, row.when));
             }

@@ -112,27 +112,12 @@ mod tests {
 
     #[test]
     fn scenes_go_round() {
-        let scenes = Scenes(
-            ["city", "forest", "room/fence"]
-                .map(SceneSource::level)
-                .to_vec(),
-        );
-        let after = |name: &str| {
-            scenes
-                .after(Some(&SceneSource::level(name)))
-                .map(|scene| scene.name())
-        };
+        let scenes = Scenes(["city", "forest", "room/fence"].map(SceneSource::level).to_vec());
+        let after = |name: &str| scenes.after(Some(&SceneSource::level(name))).map(|scene| scene.name());
         assert_eq!(after("city").as_deref(), Some("forest"));
         assert_eq!(after("room/fence").as_deref(), Some("city"));
-        assert_eq!(
-            after("elsewhere").as_deref(),
-            Some("city"),
-            "not in the list"
-        );
-        assert_eq!(
-            scenes.after(None).map(|scene| scene.name()).as_deref(),
-            Some("city")
-        );
+        assert_eq!(after("elsewhere").as_deref(), Some("city"), "not in the list");
+        assert_eq!(scenes.after(None).map(|scene| scene.name()).as_deref(), Some("city"));
         assert_eq!(
             Scenes::default().after(Some(&SceneSource::level("city"))),
             None,

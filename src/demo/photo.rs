@@ -87,10 +87,7 @@ fn slug(name: &str) -> String {
 
 /// Writes beside the file first, so that there is never half a picture.
 fn save(image: &Image, path: &Path) -> Result<(), String> {
-    let picture = image
-        .clone()
-        .try_into_dynamic()
-        .map_err(|error| error.to_string())?;
+    let picture = image.clone().try_into_dynamic().map_err(|error| error.to_string())?;
     let partial = path.with_extension("partial");
     let write = || -> Result<(), io::Error> {
         fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;

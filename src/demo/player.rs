@@ -24,7 +24,7 @@ pub struct Player {
 
 /// The player at the spawn of a scene, with a camera like that of shots: 60 degrees high, no multisampling.
 pub(super) fn player(scene: &LoadedScene) -> impl Bundle {
-    let walker = Walker::looking_at(scene.spawn.position, scene.spawn.look_at, Mode::Walk);
+    let walker = Walker::looking_at(scene.spawn.position, scene.spawn.look_at, Mode::Walk).settled(&scene.ground);
     (
         Name::new("Player"),
         walker.camera(),
@@ -73,9 +73,7 @@ fn move_player(
     mut players: Query<(&mut Player, &mut Transform)>,
 ) {
     for (mut player, mut transform) in &mut players {
-        player
-            .walker
-            .step(&intent, &scene.ground, time.delta_secs());
+        player.walker.step(&intent, &scene.ground, time.delta_secs());
         *transform = player.walker.camera();
     }
 }

@@ -32,11 +32,7 @@ impl SunAngles {
     pub fn light_dir(&self) -> Vec3 {
         let (sin_azimuth, cos_azimuth) = self.azimuth.sin_cos();
         let (sin_elevation, cos_elevation) = self.elevation.sin_cos();
-        -Vec3::new(
-            sin_azimuth * cos_elevation,
-            sin_elevation,
-            -cos_azimuth * cos_elevation,
-        )
+        -Vec3::new(sin_azimuth * cos_elevation, sin_elevation, -cos_azimuth * cos_elevation)
     }
 
     /// The angles of sunlight that travels along `light_dir` (any length), clamped into the keys' range.
@@ -87,9 +83,7 @@ impl SunAngles {
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(
         Update,
-        move_sun
-            .in_set(DemoSystems::Act)
-            .run_if(in_state(Activity::Running)),
+        move_sun.in_set(DemoSystems::Act).run_if(in_state(Activity::Running)),
     );
 }
 
@@ -128,12 +122,7 @@ mod tests {
 
     #[test]
     fn degenerate_directions_have_angles() {
-        for light_dir in [
-            Vec3::NEG_Y,
-            Vec3::ZERO,
-            Vec3::NAN,
-            Vec3::splat(f32::INFINITY),
-        ] {
+        for light_dir in [Vec3::NEG_Y, Vec3::ZERO, Vec3::NAN, Vec3::splat(f32::INFINITY)] {
             let angles = SunAngles::from_light_dir(light_dir);
             assert_eq!(angles, degrees(0.0, 89.5).clamped(), "{light_dir}");
         }

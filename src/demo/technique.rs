@@ -51,17 +51,9 @@ const SCHEMES: &[SplitScheme] = &[
     SplitScheme::Uniform,
     SplitScheme::Practical { lambda: 0.5 },
 ];
-const WARPS: &[Warp] = &[
-    Warp::Lispsm,
-    Warp::Uniform,
-    Warp::Free { eta: -0.5 },
-    Warp::Psm,
-];
+const WARPS: &[Warp] = &[Warp::Lispsm, Warp::Uniform, Warp::Free { eta: -0.5 }, Warp::Psm];
 const MAP_SIZES: &[u32] = &[512, 1024, 2048, 4096];
-const SELECTIONS: &[PartitionSelection] = &[
-    PartitionSelection::BestResolution,
-    PartitionSelection::Depth,
-];
+const SELECTIONS: &[PartitionSelection] = &[PartitionSelection::BestResolution, PartitionSelection::Depth];
 const FILTERS: &[ShadowFilter] = &[ShadowFilter::Pcf2, ShadowFilter::Hard];
 const BIASES: &[ShadowBias] = &[
     ShadowBias::Footprint { scale: 1.0 },
@@ -244,18 +236,11 @@ mod tests {
                     break;
                 }
                 forward.push(setting.value(&settings));
-                assert!(
-                    forward.len() < 20,
-                    "{setting:?} does not come round: {forward:?}"
-                );
+                assert!(forward.len() < 20, "{setting:?} does not come round: {forward:?}");
             }
             assert!(forward.len() > 1, "{setting:?} has one value only");
             setting.step(&mut settings, true);
-            assert_eq!(
-                Some(&setting.value(&settings)),
-                forward.last(),
-                "{setting:?} backwards"
-            );
+            assert_eq!(Some(&setting.value(&settings)), forward.last(), "{setting:?} backwards");
             assert!(
                 forward.iter().all(|value| value.is_ascii()),
                 "the font has ASCII only: {forward:?}"
@@ -268,10 +253,7 @@ mod tests {
         let mut settings = SunShadows::default();
         settings.partitions.count = 16;
         Setting::Path.step(&mut settings, false);
-        assert_eq!(
-            (settings.path, settings.partitions.count),
-            (ShadowPath::DropIn, 4)
-        );
+        assert_eq!((settings.path, settings.partitions.count), (ShadowPath::DropIn, 4));
         Setting::Partitions.step(&mut settings, false);
         assert_eq!(settings.partitions.count, 1, "four is followed by one");
         Setting::Partitions.step(&mut settings, true);

@@ -36,9 +36,7 @@ pub enum PlayError {
     #[error("no window can be opened: {0}")]
     NoDisplay(String),
     /// No graphics adapter that can draw into a window.
-    #[error(
-        "no graphics adapter was found: install a Vulkan driver (in software: the package mesa-vulkan-drivers)"
-    )]
+    #[error("no graphics adapter was found: install a Vulkan driver (in software: the package mesa-vulkan-drivers)")]
     NoAdapter,
     /// The scene could not be loaded.
     #[error("{0}")]
@@ -53,9 +51,7 @@ pub enum PlayError {
 /// # Errors
 /// No display, no adapter, or a scene that could not be loaded.
 pub fn run(options: PlayOptions) -> Result<(), PlayError> {
-    if let Some(reason) =
-        missing_display(|name| env::var_os(name).is_some_and(|value| !value.is_empty()))
-    {
+    if let Some(reason) = missing_display(|name| env::var_os(name).is_some_and(|value| !value.is_empty())) {
         return Err(PlayError::NoDisplay(reason.to_owned()));
     }
     let mut app = windowed_app(&options)?;
@@ -72,18 +68,12 @@ pub fn run(options: PlayOptions) -> Result<(), PlayError> {
 fn missing_display(is_set: impl Fn(&str) -> bool) -> Option<&'static str> {
     let needs_x11 = cfg!(all(
         unix,
-        not(any(
-            target_os = "macos",
-            target_os = "ios",
-            target_os = "android"
-        ))
+        not(any(target_os = "macos", target_os = "ios", target_os = "android"))
     ));
     if !needs_x11 || is_set("DISPLAY") {
         None
     } else if is_set("WAYLAND_DISPLAY") {
-        Some(
-            "there is a Wayland display only, and this build needs X11: start Xwayland and set DISPLAY",
-        )
+        Some("there is a Wayland display only, and this build needs X11: start Xwayland and set DISPLAY")
     } else {
         Some("there is no display, DISPLAY is not set")
     }

@@ -40,9 +40,7 @@ pub fn help(rows: Vec<(String, String)>) -> impl Bundle {
             BackgroundColor(PANEL.with_alpha(0.9)),
             Pickable::IGNORE,
             Children::spawn(SpawnIter(
-                cells
-                    .into_iter()
-                    .map(|(content, color)| text(15.0, color, content))
+                cells.into_iter().map(|(content, color)| text(15.0, color, content))
             )),
         )],
     )

@@ -81,11 +81,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(PostUpdate, show.before(bevy::ui::UiSystems::Prepare));
 }
 
-fn show(
-    hud: Res<HudText>,
-    mut parts: Query<(Ref<Part>, &mut Text, &ChildOf)>,
-    mut panels: Query<&mut Node>,
-) {
+fn show(hud: Res<HudText>, mut parts: Query<(Ref<Part>, &mut Text, &ChildOf)>, mut panels: Query<&mut Node>) {
     for (part, mut text, parent) in &mut parts {
         if !hud.is_changed() && !part.is_added() {
             continue;

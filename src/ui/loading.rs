@@ -28,6 +28,7 @@ enum Part {
 pub fn loading() -> impl Bundle {
     (
         Name::new("Loading screen"),
+        GlobalZIndex(30),
         Node {
             width: percent(100),
             height: percent(100),

@@ -3,7 +3,7 @@
 //! This room only shows: what it shows is written into its view models ([`hud::HudText`], [`loading::Progress`]),
 //! and each screen is a function that returns a bundle to spawn. Texts are ASCII, as the built-in font is.
 
-use bevy::prelude::*;
+use bevy::{prelude::*, window::PrimaryWindow};
 
 pub mod help;
 pub mod hud;
@@ -23,11 +23,7 @@ const ACCENT: Color = Color::srgb(1.0, 0.82, 0.42);
 const WARNING: Color = Color::srgb(1.0, 0.55, 0.42);
 
 fn text(size: f32, color: Color, content: impl Into<String>) -> impl Bundle {
-    (
-        Text::new(content),
-        TextFont::from_font_size(size),
-        TextColor(color),
-    )
+    (Text::new(content), TextFont::from_font_size(size), TextColor(color))
 }
 
 /// The window height, in logical pixels, for which sizes are given.
@@ -36,18 +32,15 @@ const DESIGN_HEIGHT: f32 = 720.0;
 const DESIGN_WIDTH: f32 = 1000.0;
 
 /// The interface's scale in a window of this logical size: it grows with large windows and shrinks with small
-/// ones, down to half, where the text is still readable. A window without area (minimized) has the smallest scale.
+/// ones, as far as the text stays readable. A window without area (minimized) has the smallest scale.
 pub fn scale_of(size: Vec2) -> f32 {
     let fit = (size.x / DESIGN_WIDTH).min(size.y / DESIGN_HEIGHT);
-    if fit.is_finite() {
-        fit.clamp(0.5, 2.0)
-    } else {
-        1.0
-    }
+    if fit.is_finite() { fit.clamp(0.7, 2.0) } else { 1.0 }
 }
 
-fn scale(windows: Query<&Window, Changed<Window>>, mut scale: ResMut<UiScale>) {
-    for window in &windows {
+// Reads the size every frame: the window system writes it outside of change detection.
+fn scale(windows: Query<&Window, With<PrimaryWindow>>, mut scale: ResMut<UiScale>) {
+    if let Ok(window) = windows.single() {
         let wanted = scale_of(window.resolution.size());
         if scale.0 != wanted {
             scale.0 = wanted;
@@ -63,8 +56,8 @@ mod tests {
     fn the_interface_follows_the_window_within_limits() {
         assert_eq!(scale_of(Vec2::new(1280.0, 720.0)), 1.0);
         assert_eq!(scale_of(Vec2::new(3840.0, 2160.0)), 2.0);
-        assert_eq!(scale_of(Vec2::new(320.0, 180.0)), 0.5);
-        assert_eq!(scale_of(Vec2::ZERO), 0.5);
+        assert_eq!(scale_of(Vec2::new(320.0, 180.0)), 0.7);
+        assert_eq!(scale_of(Vec2::ZERO), 0.7);
         assert_eq!(scale_of(Vec2::NAN), 1.0);
     }
 }

@@ -60,12 +60,7 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(Update, tint);
 }
 
-fn tint(
-    mut buttons: Query<
-        (&Interaction, &mut BackgroundColor),
-        (Changed<Interaction>, With<PauseButton>),
-    >,
-) {
+fn tint(mut buttons: Query<(&Interaction, &mut BackgroundColor), (Changed<Interaction>, With<PauseButton>)>) {
     for (interaction, mut color) in &mut buttons {
         color.0 = if *interaction == Interaction::None {
             IDLE

@@ -87,10 +87,7 @@ impl Game {
             paths: vec![],
             notes: vec![],
         };
-        let old: Vec<Entity> = world
-            .query_filtered::<Entity, With<Sun>>()
-            .iter(world)
-            .collect();
+        let old: Vec<Entity> = world.query_filtered::<Entity, With<Sun>>().iter(world).collect();
         for sun in old {
             world.despawn(sun);
         }
@@ -101,7 +98,7 @@ impl Game {
         ));
         world.insert_resource(scene);
         *world.resource_mut::<SceneStatus>() = SceneStatus::Ready;
-        self.frames(3);
+        self.frames(4);
     }
 
     /// Runs some frames; none after the one in which the app wants to end.
@@ -203,10 +200,7 @@ impl Game {
     /// Where the sun stands.
     pub(crate) fn sun(&mut self) -> SunAngles {
         let world = self.0.world_mut();
-        let sun = world
-            .query_filtered::<&Transform, With<Sun>>()
-            .single(world)
-            .unwrap();
+        let sun = world.query_filtered::<&Transform, With<Sun>>().single(world).unwrap();
         SunAngles::from_light_dir(sun.forward().as_vec3())
     }
 

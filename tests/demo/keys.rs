@@ -76,10 +76,7 @@ fn t_goes_through_all_techniques_and_the_sun_gets_them() {
         }
         seen.push(technique);
     }
-    assert!(
-        all.iter().all(|technique| seen.contains(technique)),
-        "{seen:?}"
-    );
+    assert!(all.iter().all(|technique| seen.contains(technique)), "{seen:?}");
     let last = game.technique();
     game.shift_tap(KeyCode::KeyT);
     assert_eq!(game.technique(), seen[seen.len() - 2], "Shift+T goes back");
@@ -94,11 +91,7 @@ fn digits_change_the_settings_of_the_sun() {
     game.tap(KeyCode::Digit4);
     let bigger = game.sun_settings().unwrap();
     assert_eq!(bigger.map_size, 2 * before.map_size);
-    assert!(
-        game.hud().settings.contains("4096"),
-        "{}",
-        game.hud().settings
-    );
+    assert!(game.hud().settings.contains("4096"), "{}", game.hud().settings);
     assert!(game.hud().notice.contains("4096"), "{}", game.hud().notice);
     game.shift_tap(KeyCode::Digit4);
     assert_eq!(game.sun_settings().unwrap(), before, "Shift steps back");
@@ -116,30 +109,20 @@ fn bevy_s_cascades_have_no_settings_and_say_so() {
     }
     game.tap(KeyCode::Digit1);
     assert_eq!(game.technique(), Technique::Bevy);
-    assert!(
-        game.hud().notice.contains("no settings"),
-        "{}",
-        game.hud().notice
-    );
+    assert!(game.hud().notice.contains("no settings"), "{}", game.hud().notice);
 }
 
 #[test]
 fn arrows_move_the_sun_while_held() {
     let mut game = Game::playing();
     let start = game.sun();
-    assert!(
-        (start.azimuth.to_degrees() - 90.0).abs() < 0.1
-            && (start.elevation.to_degrees() - 45.0).abs() < 0.1
-    );
+    assert!((start.azimuth.to_degrees() - 90.0).abs() < 0.1 && (start.elevation.to_degrees() - 45.0).abs() < 0.1);
     game.hold(KeyCode::ArrowUp);
     let mut last = start.elevation;
     for _ in 0..30 {
         game.frames(1);
         let now = game.sun().elevation;
-        assert!(
-            now > last && now - last < 0.02,
-            "a small step each frame: {last} {now}"
-        );
+        assert!(now > last && now - last < 0.02, "a small step each frame: {last} {now}");
         last = now;
     }
     game.seconds(6.0);
@@ -151,11 +134,7 @@ fn arrows_move_the_sun_while_held() {
     game.release(KeyCode::ArrowUp);
     game.hold(KeyCode::ArrowRight);
     game.seconds(1.0);
-    assert!(
-        game.sun().azimuth > start.azimuth + 0.2,
-        "clockwise: {:?}",
-        game.sun()
-    );
+    assert!(game.sun().azimuth > start.azimuth + 0.2, "clockwise: {:?}", game.sun());
     game.release(KeyCode::ArrowRight);
     game.hold(KeyCode::ArrowDown);
     game.seconds(6.0);

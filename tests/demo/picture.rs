@@ -1,14 +1,9 @@
 //! The whole game on a GPU without a window: loading, then play with the head-up display, as pictures.
 
-use bevy::{
-    camera::RenderTarget,
-    prelude::*,
-    render::render_resource::TextureFormat,
-    ui::IsDefaultUiCamera,
-};
+use bevy::{camera::RenderTarget, prelude::*, render::render_resource::TextureFormat, ui::IsDefaultUiCamera};
 use umbrage::{
     cli::headless,
-    demo::{DemoPlugin, player::Player, screens::Screen, technique::Chosen},
+    demo::{DemoPlugin, player::Player, screens::Activity, technique::Chosen},
     level::{LevelPlugin, find::asset_root, scene::SceneSource},
     render::{UmbragePlugins, capture},
     shadow::technique::Technique,
@@ -23,7 +18,11 @@ fn picture(app: &mut App, target: &Handle<Image>) -> Vec<[u8; 3]> {
         headless::frame(app);
     }
     let texels = capture::read_image(app, target).unwrap_or_else(|error| panic!("{error}"));
-    texels.bytes.chunks(4).map(|texel| [texel[0], texel[1], texel[2]]).collect()
+    texels
+        .bytes
+        .chunks(4)
+        .map(|texel| [texel[0], texel[1], texel[2]])
+        .collect()
 }
 
 fn differing(a: &[[u8; 3]], b: &[[u8; 3]]) -> f32 {
@@ -47,14 +46,18 @@ fn a_room_is_loaded_played_and_seen() {
     headless::finish(&mut app);
     let frames = (0..600).take_while(|_| {
         headless::frame(&mut app);
-        *app.world().resource::<State<Screen>>().get() == Screen::Loading
+        let activity = app.world().get_resource::<State<Activity>>();
+        activity.is_none_or(|activity| *activity.get() == Activity::Starting)
     });
     assert!(frames.count() < 600, "still loading");
 
     let target = capture::readable_target(SIZE.x, SIZE.y, TextureFormat::Rgba8UnormSrgb);
     let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
     let world = app.world_mut();
-    let player = world.query_filtered::<Entity, With<Player>>().single(world).expect("one player");
+    let player = world
+        .query_filtered::<Entity, With<Player>>()
+        .single(world)
+        .expect("one player");
     world
         .entity_mut(player)
         .insert((RenderTarget::Image(target.clone().into()), IsDefaultUiCamera));
@@ -64,15 +67,28 @@ fn a_room_is_loaded_played_and_seen() {
     let with_hud = picture(&mut app, &target);
 
     let world = app.world_mut();
-    let hud = world.query_filtered::<Entity, With<HudRoot>>().single(world).expect("one head-up display");
+    let hud = world
+        .query_filtered::<Entity, With<HudRoot>>()
+        .single(world)
+        .expect("one head-up display");
     world.entity_mut(hud).insert(Visibility::Hidden);
     let without = picture(&mut app, &target);
     let corner = |picture: &[[u8; 3]]| picture[30 * SIZE.x as usize + 20];
-    assert!(corner(&with_hud).iter().all(|channel| *channel < 120), "a dark panel: {:?}", corner(&with_hud));
+    assert!(
+        corner(&with_hud).iter().all(|channel| *channel < 120),
+        "a dark panel: {:?}",
+        corner(&with_hud)
+    );
     let share = differing(&with_hud, &without);
-    assert!((0.05..0.95).contains(&share), "the display covers {share} of the picture");
+    assert!(
+        (0.05..0.95).contains(&share),
+        "the display covers {share} of the picture"
+    );
     let first = without[0];
-    assert!(differing(&without, &vec![first; without.len()]) > 0.1, "the room is one color");
+    assert!(
+        differing(&without, &vec![first; without.len()]) > 0.1,
+        "the room is one color"
+    );
 
     app.world_mut().resource_mut::<Chosen>().0 = Technique::Bevy;
     let stock = picture(&mut app, &target);

@@ -60,30 +60,20 @@ fn loading_shows_progress_and_ends_in_play() {
         "only the player's camera"
     );
     assert_eq!(game.count::<HudRoot>(), 1);
-    assert_eq!(
-        game.walker().eye(),
-        Vec3::new(0.0, 1.7, 0.0),
-        "at the spawn"
-    );
+    assert_eq!(game.walker().eye(), Vec3::new(0.0, 1.7, 0.0), "at the spawn");
 }
 
 #[test]
 fn a_scene_that_fails_is_a_sentence_and_escape_leaves_with_an_error() {
     let mut game = Game::new();
-    set_status(
-        &mut game,
-        SceneStatus::Failed("there is no level `forest`".into()),
-    );
+    set_status(&mut game, SceneStatus::Failed("there is no level `forest`".into()));
     assert_eq!(game.screen(), Screen::Loading, "nothing to play");
     let progress = game.progress();
     assert!(
         progress.failed && progress.line.contains("there is no level `forest`"),
         "{progress:?}"
     );
-    assert!(
-        progress.line.contains("Esc"),
-        "says how to leave: {progress:?}"
-    );
+    assert!(progress.line.contains("Esc"), "says how to leave: {progress:?}");
     assert_eq!(game.exit(), None);
     game.tap(KeyCode::Escape);
     assert!(game.exit().is_some_and(|exit| exit.is_error()));
@@ -99,9 +89,7 @@ fn escape_leaves_while_loading() {
 #[test]
 fn pause_freezes_the_walker_and_frees_the_mouse() {
     let mut game = Game::playing();
-    let cursor = |game: &mut Game| {
-        game.only::<CursorOptions, _>(|cursor| (cursor.visible, cursor.grab_mode))
-    };
+    let cursor = |game: &mut Game| game.only::<CursorOptions, _>(|cursor| (cursor.visible, cursor.grab_mode));
     assert_eq!(cursor(&mut game), (false, CursorGrabMode::Locked));
     game.hold(KeyCode::KeyW);
     game.seconds(0.5);
@@ -118,11 +106,7 @@ fn pause_freezes_the_walker_and_frees_the_mouse() {
     game.tap(KeyCode::KeyF);
     game.tap(KeyCode::KeyT);
     assert_eq!(game.walker(), paused, "nothing moves");
-    assert_eq!(
-        game.technique().to_string(),
-        "zp4+lispsm",
-        "T does nothing here"
-    );
+    assert_eq!(game.technique().to_string(), "zp4+lispsm", "T does nothing here");
     assert_eq!(game.exit(), None);
 
     game.tap(KeyCode::Escape);
@@ -130,10 +114,7 @@ fn pause_freezes_the_walker_and_frees_the_mouse() {
     assert_eq!(cursor(&mut game), (false, CursorGrabMode::Locked));
     assert_eq!(game.count::<PauseButton>(), 0);
     game.seconds(0.5);
-    assert!(
-        game.walker().feet.z < paused.feet.z - 1.0,
-        "W is still held"
-    );
+    assert!(game.walker().feet.z < paused.feet.z - 1.0, "W is still held");
 }
 
 #[test]
@@ -161,10 +142,7 @@ fn the_buttons_of_the_pause_menu_work() {
     let mut game = Game::playing();
     game.tap(KeyCode::Escape);
     click(&mut game, PauseButton::Resume);
-    assert_eq!(
-        (game.activity(), game.exit()),
-        (Some(Activity::Running), None)
-    );
+    assert_eq!((game.activity(), game.exit()), (Some(Activity::Running), None));
     game.tap(KeyCode::Escape);
     click(&mut game, PauseButton::Quit);
     assert_eq!(game.exit(), Some(AppExit::Success));
@@ -193,26 +171,17 @@ fn n_goes_to_the_next_level_and_keeps_the_technique() {
         Some(SceneSource::level("city"))
     );
     assert_eq!(
-        (
-            game.count::<Player>(),
-            game.count::<HudRoot>(),
-            game.count::<Camera>()
-        ),
+        (game.count::<Player>(), game.count::<HudRoot>(), game.count::<Camera>()),
         (0, 0, 1)
     );
     game.frames(5);
-    assert_eq!(
-        game.screen(),
-        Screen::Loading,
-        "the old scene does not count"
-    );
+    assert_eq!(game.screen(), Screen::Loading, "the old scene does not count");
 
     game.finish_loading();
     assert_eq!(game.screen(), Screen::Play);
     assert_eq!(game.technique(), technique);
     assert_eq!(
-        game.sun_settings()
-            .map(umbrage::shadow::technique::Technique::Umbrage),
+        game.sun_settings().map(umbrage::shadow::technique::Technique::Umbrage),
         Some(technique)
     );
     game.seconds(0.4);
@@ -235,18 +204,10 @@ fn f1_shows_every_key_and_hides_them_again() {
     game.tap(KeyCode::F1);
     assert_eq!(game.count::<HelpRoot>(), 1);
     let world = game.0.world_mut();
-    let texts: Vec<String> = world
-        .query::<&Text>()
-        .iter(world)
-        .map(|text| text.0.clone())
-        .collect();
+    let texts: Vec<String> = world.query::<&Text>().iter(world).map(|text| text.0.clone()).collect();
     for row in umbrage::demo::input::ROWS {
         assert!(texts.contains(&row.label()), "{} is not shown", row.label());
-        assert!(
-            texts.iter().any(|text| text == row.does),
-            "{} is not shown",
-            row.does
-        );
+        assert!(texts.iter().any(|text| text == row.does), "{} is not shown", row.does);
     }
     game.tap(KeyCode::F1);
     assert_eq!(game.count::<HelpRoot>(), 0);

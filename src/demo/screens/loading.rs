@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::Screen;
+use super::{Activity, Screen};
 use crate::{
     demo::{
         Verdict,
@@ -13,25 +13,21 @@ use crate::{
 };
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(OnEnter(Screen::Loading), open)
-        .add_systems(Update, (leave, follow).run_if(in_state(Screen::Loading)));
+    app.add_systems(OnEnter(Screen::Loading), open).add_systems(
+        Update,
+        (
+            leave.run_if(in_state(Screen::Loading).or_else(in_state(Activity::Starting))),
+            follow.run_if(in_state(Screen::Loading)),
+        ),
+    );
 }
 
 fn open(mut commands: Commands) {
-    commands.spawn((
-        Name::new("Loading camera"),
-        Camera2d,
-        DespawnOnExit(Screen::Loading),
-    ));
+    commands.spawn((Name::new("Loading camera"), Camera2d, DespawnOnExit(Screen::Loading)));
     commands.spawn((loading(), DespawnOnExit(Screen::Loading)));
 }
 
-fn leave(
-    intent: Res<Intent>,
-    status: Res<SceneStatus>,
-    verdict: Res<Verdict>,
-    mut exit: MessageWriter<AppExit>,
-) {
+fn leave(intent: Res<Intent>, status: Res<SceneStatus>, verdict: Res<Verdict>, mut exit: MessageWriter<AppExit>) {
     if !intent.started(Action::TogglePause) {
         return;
     }
@@ -61,11 +57,9 @@ fn follow(
 fn progress_of(title: String, status: &SceneStatus) -> Progress {
     let (fraction, line, failed) = match status {
         SceneStatus::Idle => (None, String::new(), false),
-        SceneStatus::Loading { done, total, what } => (
-            (*total > 0).then(|| *done as f32 / *total as f32),
-            what.clone(),
-            false,
-        ),
+        SceneStatus::Loading { done, total, what } => {
+            ((*total > 0).then(|| *done as f32 / *total as f32), what.clone(), false)
+        }
         SceneStatus::Ready => (Some(1.0), "ready".to_owned(), false),
         SceneStatus::Failed(sentence) => (None, format!("{sentence}\npress Esc to quit"), true),
     };

@@ -1,10 +1,11 @@
-//! The screens as states: loading, then play; while playing, running or paused.
+//! The screens as states: loading, then play; while playing: starting, running or paused.
 
 use bevy::prelude::*;
 
 mod loading;
 mod pause;
 mod play;
+mod start;
 
 /// What fills the window.
 #[derive(States, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -20,15 +21,20 @@ pub enum Screen {
 #[derive(SubStates, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[source(Screen = Screen::Play)]
 pub enum Activity {
-    /// The player moves, the mouse is captured.
+    /// The scene is drawn behind the loading screen, until its shaders are compiled.
     #[default]
+    Starting,
+    /// The player moves, the mouse is captured.
     Running,
     /// The pause menu is open: time stands still and the mouse is free.
     Paused,
 }
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_state::<Screen>()
-        .add_sub_state::<Activity>()
-        .add_plugins((loading::plugin, play::plugin, pause::plugin));
+    app.init_state::<Screen>().add_sub_state::<Activity>().add_plugins((
+        loading::plugin,
+        start::plugin,
+        play::plugin,
+        pause::plugin,
+    ));
 }

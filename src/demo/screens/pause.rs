@@ -26,11 +26,7 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 fn open(mut commands: Commands) {
-    commands.spawn((
-        pause(),
-        DespawnOnExit(Activity::Paused),
-        DespawnOnExit(Screen::Play),
-    ));
+    commands.spawn((pause(), DespawnOnExit(Activity::Paused), DespawnOnExit(Screen::Play)));
 }
 
 fn stop_time(mut time: ResMut<Time<Virtual>>) {
@@ -55,23 +51,16 @@ fn release_mouse(mut windows: Query<&mut CursorOptions, With<PrimaryWindow>>) {
     }
 }
 
-fn toggle(
-    intent: Res<Intent>,
-    activity: Res<State<Activity>>,
-    mut next: ResMut<NextState<Activity>>,
-) {
+fn toggle(intent: Res<Intent>, activity: Res<State<Activity>>, mut next: ResMut<NextState<Activity>>) {
     if intent.started(Action::TogglePause) {
         next.set(match activity.get() {
-            Activity::Running => Activity::Paused,
             Activity::Paused => Activity::Running,
+            Activity::Starting | Activity::Running => Activity::Paused,
         });
     }
 }
 
-fn pause_without_focus(
-    mut focus: MessageReader<WindowFocused>,
-    mut next: ResMut<NextState<Activity>>,
-) {
+fn pause_without_focus(mut focus: MessageReader<WindowFocused>, mut next: ResMut<NextState<Activity>>) {
     if focus.read().last().is_some_and(|focus| !focus.focused) {
         next.set(Activity::Paused);
     }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::Screen;
+use super::{Activity, Screen};
 use crate::{
     demo::{
         DemoSystems, Notice, Scenes,
@@ -20,7 +20,9 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(OnEnter(Screen::Play), open).add_systems(
         Update,
         (
-            (toggle_help, next_scene).in_set(DemoSystems::Act),
+            (toggle_help, next_scene)
+                .in_set(DemoSystems::Act)
+                .run_if(not(in_state(Activity::Starting))),
             wait_for_scene.run_if(not(resource_exists::<LoadedScene>)),
         )
             .run_if(in_state(Screen::Play)),
@@ -46,10 +48,7 @@ fn toggle_help(mut commands: Commands, intent: Res<Intent>, open: Query<Entity, 
         return;
     }
     if open.is_empty() {
-        let rows = ROWS
-            .iter()
-            .map(|row| (row.label(), row.does.to_owned()))
-            .collect();
+        let rows = ROWS.iter().map(|row| (row.label(), row.does.to_owned())).collect();
         commands.spawn((help(rows), DespawnOnExit(Screen::Play)));
     }
     for entity in &open {

@@ -77,24 +77,27 @@ const WORLD_LIMIT: f32 = 1.0e5;
 impl Walker {
     /// Standing with its eye at `eye`, looking at `target`; non-finite values are taken for zero.
     pub fn looking_at(eye: Vec3, target: Vec3, mode: Mode) -> Self {
-        let eye = if eye.is_finite() {
-            eye
-        } else {
-            Vec3::Y * EYE_HEIGHT
-        };
+        let eye = if eye.is_finite() { eye } else { Vec3::Y * EYE_HEIGHT };
         let direction = (target - eye).try_normalize().unwrap_or(Vec3::NEG_Z);
         Self {
             feet: eye - Vec3::Y * EYE_HEIGHT,
             yaw: (-direction.x).atan2(-direction.z),
-            pitch: direction
-                .y
-                .clamp(-1.0, 1.0)
-                .asin()
-                .clamp(-MAX_PITCH, MAX_PITCH),
+            pitch: direction.y.clamp(-1.0, 1.0).asin().clamp(-MAX_PITCH, MAX_PITCH),
             mode,
             eye_y: eye.y,
             fall_speed: 0.0,
         }
+    }
+
+    /// Put onto the ground, from a little above or from below it.
+    #[must_use]
+    pub fn settled(mut self, ground: &Ground) -> Self {
+        let support = Surroundings::of(ground, self.feet.xz(), PIECE).support(self.feet);
+        if self.mode == Mode::Walk && self.feet.y - support < BODY_HEIGHT {
+            self.feet.y = support;
+            self.eye_y = support + EYE_HEIGHT;
+        }
+        self
     }
 
     /// The eye in world space.
@@ -145,8 +148,7 @@ impl Walker {
 
     fn fly(&mut self, movement: Vec3, faster: bool, seconds: f32) {
         let speed = if faster { FAST_FLY_SPEED } else { FLY_SPEED };
-        let direction =
-            self.rotation() * Vec3::new(movement.x, 0.0, -movement.z) + Vec3::Y * movement.y;
+        let direction = self.rotation() * Vec3::new(movement.x, 0.0, -movement.z) + Vec3::Y * movement.y;
         let eye = self.eye() + direction.clamp_length_max(1.0) * speed * seconds;
         let eye = eye.clamp(Vec3::splat(-WORLD_LIMIT), Vec3::splat(WORLD_LIMIT));
         self.eye_y = eye.y;
@@ -252,9 +254,7 @@ mod tests {
         let mut walker = at(0.0, 0.0, 0.0);
         walk(&mut walker, &forward(), &ground, 2.0);
         assert!(
-            walker
-                .feet
-                .abs_diff_eq(Vec3::new(0.0, 0.0, -2.0 * WALK_SPEED), 1e-3),
+            walker.feet.abs_diff_eq(Vec3::new(0.0, 0.0, -2.0 * WALK_SPEED), 1e-3),
             "{}",
             walker.feet
         );
@@ -319,11 +319,7 @@ mod tests {
                 &flat(vec![wall(0.0, -4.0, half, 0.0, top)]),
                 1.0,
             );
-            assert!(
-                (walker.feet.y - y).abs() < 1e-4,
-                "an edge of {top} m: {}",
-                walker.feet
-            );
+            assert!((walker.feet.y - y).abs() < 1e-4, "an edge of {top} m: {}", walker.feet);
         }
         let pavement = Step {
             min: Vec2::new(-9.0, -9.0),
@@ -379,6 +375,19 @@ mod tests {
     }
 
     #[test]
+    fn a_spawn_near_the_ground_is_on_it_and_one_high_up_falls() {
+        let ground = Ground::flat(5.0);
+        for (y, settled) in [(4.0, 5.0), (6.0, 5.0), (50.0, 50.0)] {
+            let walker = at(0.0, y, 0.0).settled(&ground);
+            assert_eq!(
+                (walker.feet.y, walker.eye().y),
+                (settled, settled + EYE_HEIGHT),
+                "from {y}"
+            );
+        }
+    }
+
+    #[test]
     fn one_can_walk_under_a_roof() {
         let roof = blocker(
             0.0,
@@ -392,11 +401,7 @@ mod tests {
         );
         let mut walker = at(0.0, 0.0, 0.0);
         walk(&mut walker, &forward(), &flat(vec![roof]), 3.0);
-        assert!(
-            walker.feet.z < -9.0 && walker.feet.y == 0.0,
-            "{}",
-            walker.feet
-        );
+        assert!(walker.feet.z < -9.0 && walker.feet.y == 0.0, "{}", walker.feet);
     }
 
     #[test]
@@ -467,10 +472,7 @@ mod tests {
         );
         let blockers = (0..250)
             .map(|_| {
-                let (x, z) = (
-                    random.random_range(-39.0..39.0),
-                    random.random_range(-29.0..29.0),
-                );
+                let (x, z) = (random.random_range(-39.0..39.0), random.random_range(-29.0..29.0));
                 let ground = terrain.height(Vec2::new(x, z));
                 let shape = if random.random_bool(0.5) {
                     BlockerShape::Cylinder {
@@ -478,10 +480,7 @@ mod tests {
                     }
                 } else {
                     BlockerShape::Box {
-                        half: Vec2::new(
-                            random.random_range(0.05..3.0),
-                            random.random_range(0.05..1.5),
-                        ),
+                        half: Vec2::new(random.random_range(0.05..3.0), random.random_range(0.05..1.5)),
                         yaw: random.random_range(-3.0..3.0),
                     }
                 };
@@ -490,13 +489,7 @@ mod tests {
                 } else {
                     ground - 9.0
                 };
-                blocker(
-                    x,
-                    z,
-                    shape,
-                    bottom,
-                    bottom.max(ground) + random.random_range(0.1..4.0),
-                )
+                blocker(x, z, shape, bottom, bottom.max(ground) + random.random_range(0.1..4.0))
             })
             .collect();
         Ground::new(Surface::Hills(Box::new(terrain)), Vec::new(), blockers)
@@ -514,16 +507,9 @@ mod tests {
                     walker.yaw = random.random_range(-PI..PI);
                 }
                 let intent = Intent {
-                    movement: Vec3::new(
-                        random.random_range(-1.0..1.0),
-                        0.0,
-                        random.random_range(-0.2..1.0),
-                    ),
+                    movement: Vec3::new(random.random_range(-1.0..1.0), 0.0, random.random_range(-0.2..1.0)),
                     faster: random.random_bool(0.7),
-                    look: Vec2::new(
-                        random.random_range(-0.1..0.1),
-                        random.random_range(-0.1..0.1),
-                    ),
+                    look: Vec2::new(random.random_range(-0.1..0.1), random.random_range(-0.1..0.1)),
                     ..default()
                 };
                 let before = walker.feet;

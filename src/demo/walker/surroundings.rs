@@ -18,9 +18,7 @@ impl<'a> Surroundings<'a> {
         let near = |blocker: &&Blocker| outwards(blocker, at).0 <= reach + RADIUS;
         let limit = ground
             .terrain()
-            .map_or(Vec2::splat(WORLD_LIMIT), |terrain| {
-                0.5 * terrain.size() - EDGE
-            });
+            .map_or(Vec2::splat(WORLD_LIMIT), |terrain| 0.5 * terrain.size() - EDGE);
         Self {
             ground,
             limit: limit.max(Vec2::ZERO),
@@ -31,11 +29,7 @@ impl<'a> Surroundings<'a> {
     /// Height of the terrain, or `otherwise` where it has none.
     fn terrain(&self, at: Vec2, otherwise: f32) -> f32 {
         let height = self.ground.height(at.x, at.y);
-        if height.is_finite() {
-            height
-        } else {
-            otherwise
-        }
+        if height.is_finite() { height } else { otherwise }
     }
 
     /// Height of what carries a body at `feet`: the terrain, or the top of an obstacle that is low enough to step on.
@@ -43,9 +37,7 @@ impl<'a> Surroundings<'a> {
         let tops = self
             .blockers
             .iter()
-            .filter(|blocker| {
-                blocker.top <= feet.y + STEP_HEIGHT && outwards(blocker, feet.xz()).0 < RADIUS
-            })
+            .filter(|blocker| blocker.top <= feet.y + STEP_HEIGHT && outwards(blocker, feet.xz()).0 < RADIUS)
             .map(|blocker| blocker.top);
         tops.fold(self.terrain(feet.xz(), feet.y), f32::max)
     }
@@ -54,9 +46,7 @@ impl<'a> Surroundings<'a> {
     fn deepest(&self, feet: Vec3) -> Option<(f32, Vec2)> {
         self.blockers
             .iter()
-            .filter(|blocker| {
-                blocker.top > feet.y + STEP_HEIGHT && blocker.bottom < feet.y + BODY_HEIGHT
-            })
+            .filter(|blocker| blocker.top > feet.y + STEP_HEIGHT && blocker.bottom < feet.y + BODY_HEIGHT)
             .map(|blocker| {
                 let (distance, way_out) = outwards(blocker, feet.xz());
                 (RADIUS - distance, way_out)
@@ -103,11 +93,7 @@ impl<'a> Surroundings<'a> {
         if self.is_climbable(feet, straight) {
             return Some(straight);
         }
-        let downhill = self
-            .ground
-            .normal(straight.x, straight.y)
-            .xz()
-            .try_normalize()?;
+        let downhill = self.ground.normal(straight.x, straight.y).xz().try_normalize()?;
         let along = feet.xz() + piece - downhill * piece.dot(downhill).min(0.0);
         self.is_climbable(feet, along).then_some(along)
     }
@@ -124,10 +110,7 @@ fn outwards(blocker: &Blocker, at: Vec2) -> (f32, Vec2) {
     match blocker.shape {
         BlockerShape::Cylinder { radius } => {
             let distance = from_center.length();
-            (
-                distance - radius,
-                from_center.try_normalize().unwrap_or(Vec2::X),
-            )
+            (distance - radius, from_center.try_normalize().unwrap_or(Vec2::X))
         }
         BlockerShape::Box { half, yaw } => {
             // A turn about +y takes x towards -z.
