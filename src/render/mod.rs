@@ -20,6 +20,7 @@ pub mod apply;
 pub mod atlas;
 pub mod bridge;
 pub mod camera;
+pub mod capabilities;
 pub mod capture;
 pub mod caster;
 pub mod extract;
@@ -96,5 +97,9 @@ impl Plugin for RenderPlugin {
                     .after(per_view_shadow_pass::<LATE_SHADOW_PASS>)
                     .before(Core3dSystems::MainPass),
             );
+    }
+
+    fn finish(&self, app: &mut App) {
+        capabilities::limit_to_device(app);
     }
 }

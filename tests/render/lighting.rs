@@ -231,3 +231,16 @@ fn an_empty_scene_is_lit() {
     harness.frames(2);
     assert_pipelines_compiled(&harness);
 }
+
+/// A multisampled camera keeps the fallback map; the scene is neither black nor unshadowed.
+#[test]
+fn multisampled_cameras_keep_the_fallback_map() {
+    let mut harness = Harness::new(SIZE, eye());
+    ground_and_slab(&mut harness);
+    let mut camera = harness.app.world_mut().entity_mut(harness.camera);
+    camera.remove::<DepthPrepass>().insert(Msaa::Sample4);
+    harness.sun(LIGHT, settings("zp4+lispsm:size=512"));
+    harness.start();
+    assert_pipelines_compiled(&harness);
+    assert_shadow(&harness, harness.camera, &harness.target, "multisampled camera");
+}

@@ -14,7 +14,10 @@ use bevy::{
     },
 };
 
-use super::phase::{Caster, CollectBins};
+use super::{
+    CasterStatistics,
+    phase::{Caster, CollectBins},
+};
 use crate::{
     render::{
         atlas::{ATLAS_FORMAT, ShadowAtlas},
@@ -55,6 +58,7 @@ pub fn prepare_caster_views(
         Option<&CasterViews>,
     )>,
     cascades: Query<(&ExtractedView, &LightEntity, &RenderLayers)>,
+    mut statistics: ResMut<CasterStatistics>,
     mut owned: Local<EntityHashMap<CasterViews>>,
 ) {
     let mut live = HashSet::new();
@@ -142,6 +146,7 @@ pub fn prepare_caster_views(
         .filter(|camera| !seen.contains(camera))
         .collect();
     for camera in gone {
+        statistics.0.remove(&camera);
         if let Some(views) = owned.remove(&camera) {
             for entity in views.light_views.into_iter().chain([views.master]) {
                 commands.entity(entity).despawn();
