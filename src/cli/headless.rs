@@ -24,50 +24,23 @@ use bevy::{
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{CachedPipelineState, PipelineCache},
         renderer::RenderAdapterInfo,
-        settings::{Backends, RenderCreation, WgpuSettings},
+        settings::RenderCreation,
     },
     shader::ShaderCacheError,
-    tasks::{block_on, tick_global_task_pools_on_main_thread},
+    tasks::tick_global_task_pools_on_main_thread,
     time::TimeUpdateStrategy,
     window::{ExitCondition, WindowPlugin},
     winit::WinitPlugin,
 };
-use thiserror::Error;
 
 use crate::{
+    demo::adapter::{self, NoAdapter},
     level::{find::AssetRoot, loader},
     render::capture,
 };
 
 /// Simulated time per frame: headless runs are repeatable, whatever the machine takes.
 pub const TIME_STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
-
-/// Why there can be no headless app.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum HeadlessError {
-    /// No driver, or none that is visible.
-    #[error(
-        "no graphics adapter was found; install a Vulkan driver (Debian, Ubuntu: the package mesa-vulkan-drivers, which \
-         contains a software one) and check that VK_DRIVER_FILES, VK_ICD_FILENAMES and WGPU_BACKEND do not hide it"
-    )]
-    NoAdapter,
-}
-
-/// The backends that Umbrage can use: OpenGL lacks indirect drawing from compute shaders.
-fn backends() -> Backends {
-    WgpuSettings::default().backends.unwrap_or(Backends::PRIMARY) - Backends::GL
-}
-
-/// Whether any adapter is there. Bevy's renderer panics where none is, so this must be asked before.
-#[must_use]
-pub fn has_adapter() -> bool {
-    let backends = backends();
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    !block_on(instance.enumerate_adapters(backends)).is_empty()
-}
 
 /// An app with Bevy's default plugins, without window, event loop and pipelined rendering, with synchronous pipeline
 /// compilation, fixed time steps and warnings on stderr. Levels and assets come from `root`, glTF files from anywhere.
@@ -76,10 +49,8 @@ pub fn has_adapter() -> bool {
 ///
 /// # Errors
 /// There is no graphics adapter.
-pub fn app(root: &AssetRoot) -> Result<App, HeadlessError> {
-    if !has_adapter() {
-        return Err(HeadlessError::NoAdapter);
-    }
+pub fn app(root: &AssetRoot) -> Result<App, NoAdapter> {
+    adapter::check()?;
     let mut app = App::new();
     loader::register_sources(&mut app, root);
     let plugins = DefaultPlugins
@@ -90,10 +61,7 @@ pub fn app(root: &AssetRoot) -> Result<App, HeadlessError> {
         })
         .set(RenderPlugin {
             synchronous_pipeline_compilation: true,
-            render_creation: RenderCreation::from(WgpuSettings {
-                backends: Some(backends()),
-                ..default()
-            }),
+            render_creation: RenderCreation::from(adapter::settings()),
             ..default()
         })
         .set(loader::asset_plugin(root))

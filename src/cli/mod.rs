@@ -8,6 +8,7 @@ pub mod headless;
 mod list;
 pub mod pass;
 pub mod pictures;
+mod play;
 pub mod shoot;
 pub mod shots;
 
@@ -73,15 +74,11 @@ pub fn main() -> ExitCode {
 fn run(args: Args) -> Result<(), Failure> {
     let assets = args.assets.as_deref();
     match args.command {
-        None => play(assets, &args::Play::default()),
-        Some(Command::Play(play_args)) => play(assets, &play_args),
+        None => play::run(assets, &args::Play::default()),
+        Some(Command::Play(play_args)) => play::run(assets, &play_args),
         Some(Command::Shoot(shoot_args)) => shoot::run(assets, &shoot_args),
         Some(Command::List { what }) => list::run(assets, &what),
     }
-}
-
-fn play(_assets: Option<&std::path::Path>, args: &args::Play) -> Result<(), Failure> {
-    Err(Failure::Failed(format!("playing {} needs the demo, which is not in this build", args.scene)))
 }
 
 /// One line of result on stdout. A reader that has gone away, as in `umbrage list scenes | head -1`, is no error.

@@ -107,7 +107,8 @@ fn write_status(
     let frame_time = smoothed(FrameTimeDiagnosticsPlugin::FRAME_TIME);
     let mut lines = vec![match frame_time {
         Some(milliseconds) if milliseconds > 0.0 => {
-            format!("{milliseconds:.1} ms   {:.0} frames/s", 1000.0 / milliseconds)
+            let decimals = usize::from(milliseconds > 100.0);
+            format!("{milliseconds:.1} ms   {:.decimals$} frames/s", 1000.0 / milliseconds)
         }
         _ => "- ms".to_owned(),
     }];

@@ -12,6 +12,7 @@ use crate::{
     ui,
 };
 
+pub mod adapter;
 pub mod flight;
 mod hud;
 pub mod input;

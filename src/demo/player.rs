@@ -23,8 +23,8 @@ pub struct Player {
 }
 
 /// The player at the spawn of a scene, with a camera like that of shots: 60 degrees high, no multisampling.
-pub(super) fn player(scene: &LoadedScene) -> impl Bundle {
-    let walker = Walker::looking_at(scene.spawn.position, scene.spawn.look_at, Mode::Walk).settled(&scene.ground);
+pub(super) fn player(scene: &LoadedScene, mode: Mode) -> impl Bundle {
+    let walker = Walker::looking_at(scene.spawn.position, scene.spawn.look_at, mode).settled(&scene.ground);
     (
         Name::new("Player"),
         walker.camera(),

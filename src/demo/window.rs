@@ -7,11 +7,19 @@ use std::{
 };
 
 use bevy::{
-    app::AppExit, dev_tools::render_debug::RenderDebugOverlayPlugin, log::LogPlugin, prelude::*,
-    window::WindowResolution, winit::WinitPlugin,
+    app::AppExit,
+    dev_tools::render_debug::RenderDebugOverlayPlugin,
+    log::LogPlugin,
+    prelude::*,
+    render::{RenderPlugin, settings::RenderCreation},
+    window::WindowResolution,
+    winit::WinitPlugin,
 };
 
-use super::{DemoPlugin, Verdict};
+use super::{
+    DemoPlugin, Verdict,
+    adapter::{self, NoAdapter},
+};
 use crate::{
     level::{LevelPlugin, find::AssetRoot, loader, scene::SceneSource},
     render::UmbragePlugins,
@@ -35,9 +43,9 @@ pub enum PlayError {
     /// No display, or no window system on it: [`flight::shots`](super::flight::shots) is what to show instead.
     #[error("no window can be opened: {0}")]
     NoDisplay(String),
-    /// No graphics adapter that can draw into a window.
-    #[error("no graphics adapter was found: install a Vulkan driver (in software: the package mesa-vulkan-drivers)")]
-    NoAdapter,
+    /// No graphics adapter.
+    #[error(transparent)]
+    NoAdapter(#[from] NoAdapter),
     /// The scene could not be loaded.
     #[error("{0}")]
     Scene(String),
@@ -54,6 +62,7 @@ pub fn run(options: PlayOptions) -> Result<(), PlayError> {
     if let Some(reason) = missing_display(|name| env::var_os(name).is_some_and(|value| !value.is_empty())) {
         return Err(PlayError::NoDisplay(reason.to_owned()));
     }
+    adapter::check()?;
     let mut app = windowed_app(&options)?;
     let verdict = app.world().resource::<Verdict>().clone();
     let exit = app.run();
@@ -79,20 +88,17 @@ fn missing_display(is_set: impl Fn(&str) -> bool) -> Option<&'static str> {
     }
 }
 
-/// How Bevy's panics about a missing window system and a missing adapter begin.
+/// How Bevy's panic about a missing window system begins.
 const NO_EVENT_LOOP: &str = "Failed to build event loop";
-const NO_ADAPTER: &str = "Unable to find a GPU";
 
-/// The app with its window, or why not: Bevy panics there, and this is the border where that becomes a sentence.
+/// The app with its window, or why not: Bevy panics where there is no window system, and this is the border where
+/// that becomes a sentence.
 fn windowed_app(options: &PlayOptions) -> Result<App, PlayError> {
-    silence_expected_panics();
+    silence_expected_panic();
     panic::catch_unwind(AssertUnwindSafe(|| build(options))).map_err(|payload| {
-        let message = message_of(&*payload);
-        if message.starts_with(NO_EVENT_LOOP) {
+        if message_of(&*payload).starts_with(NO_EVENT_LOOP) {
             let display = env::var("DISPLAY").unwrap_or_default();
             PlayError::NoDisplay(format!("the display {display} does not answer"))
-        } else if message.starts_with(NO_ADAPTER) {
-            PlayError::NoAdapter
         } else {
             panic::resume_unwind(payload)
         }
@@ -107,14 +113,13 @@ fn message_of(payload: &(dyn std::any::Any + Send)) -> &str {
         .unwrap_or_default()
 }
 
-/// Keeps the two panics that become sentences out of the terminal; all others are reported as before.
-fn silence_expected_panics() {
+/// Keeps the panic that becomes a sentence out of the terminal; all others are reported as before.
+fn silence_expected_panic() {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let report = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            let message = message_of(info.payload());
-            if !message.starts_with(NO_EVENT_LOOP) && !message.starts_with(NO_ADAPTER) {
+            if !message_of(info.payload()).starts_with(NO_EVENT_LOOP) {
                 report(info);
             }
         }));
@@ -130,6 +135,10 @@ fn build(options: &PlayOptions) -> App {
     let defaults = DefaultPlugins
         .set(WindowPlugin {
             primary_window: Some(window),
+            ..default()
+        })
+        .set(RenderPlugin {
+            render_creation: RenderCreation::from(adapter::settings()),
             ..default()
         })
         .set(loader::asset_plugin(&options.assets))

@@ -37,7 +37,7 @@ pub fn help(rows: Vec<(String, String)>) -> impl Bundle {
                 border_radius: BorderRadius::all(px(8)),
                 ..default()
             },
-            BackgroundColor(PANEL.with_alpha(0.9)),
+            BackgroundColor(PANEL.with_alpha(0.97)),
             Pickable::IGNORE,
             Children::spawn(SpawnIter(
                 cells.into_iter().map(|(content, color)| text(15.0, color, content))

@@ -33,6 +33,15 @@ use stats::{FrameTimes, Stats, Take};
 
 /// Takes all pictures that the arguments ask for.
 pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
+    run_with(assets, args, |scene| scene.shots.clone())
+}
+
+/// The same, with a choice of shots for scenes where no file of shots was given.
+pub(super) fn run_with(
+    assets: Option<&Path>,
+    args: &Shoot,
+    shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
+) -> Result<(), Failure> {
     let root = asset_root(assets).map_err(Failure::failed)?;
     for scene in &args.scenes {
         scene.check(&root).map_err(Failure::failed)?;
@@ -52,6 +61,7 @@ pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
         app,
         args,
         from_file,
+        shots_of_scene,
         names: HashSet::new(),
         place: 0,
         bar: progress_bar(),
@@ -78,6 +88,7 @@ struct Session<'a> {
     app: App,
     args: &'a Shoot,
     from_file: Option<Vec<Shot>>,
+    shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
     stats: Stats,
     /// File names so far.
     names: HashSet<String>,
@@ -133,7 +144,7 @@ impl Session<'_> {
             _ => {
                 let loaded = self.app.world().resource::<LoadedScene>();
                 loaded.notes.iter().for_each(remark);
-                loaded.shots.clone()
+                (self.shots_of_scene)(loaded)
             }
         };
         let mut shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;

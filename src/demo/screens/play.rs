@@ -8,8 +8,9 @@ use crate::{
         DemoSystems, Notice, Scenes,
         input::{Action, Intent, ROWS},
         player::player,
+        walker::Mode,
     },
-    level::{LoadedScene, RequestedScene, SceneStatus},
+    level::{LoadedScene, RequestedScene, SceneStatus, scene::SceneSource},
     ui::{
         help::{HelpRoot, help},
         hud::hud,
@@ -29,12 +30,22 @@ pub(super) fn plugin(app: &mut App) {
     );
 }
 
-fn open(mut commands: Commands, scene: Option<Res<LoadedScene>>, mut notice: ResMut<Notice>) {
+fn open(
+    mut commands: Commands,
+    scene: Option<Res<LoadedScene>>,
+    requested: Res<RequestedScene>,
+    mut notice: ResMut<Notice>,
+) {
     let Some(scene) = scene else { return };
     if !scene.notes.is_empty() {
         notice.show(scene.notes.join("\n"));
     }
-    commands.spawn((player(&scene), DespawnOnExit(Screen::Play)));
+    // Files of others have no ground to walk on.
+    let mode = match requested.0 {
+        Some(SceneSource::Gltf(_)) => Mode::Fly,
+        _ => Mode::Walk,
+    };
+    commands.spawn((player(&scene, mode), DespawnOnExit(Screen::Play)));
     commands.spawn((hud(), DespawnOnExit(Screen::Play)));
 }
 

@@ -89,13 +89,12 @@ impl Walker {
         }
     }
 
-    /// Put onto the ground, from a little above or from below it.
+    /// Put onto what carries it, however far below; flying, it stays where it is.
     #[must_use]
     pub fn settled(mut self, ground: &Ground) -> Self {
-        let support = Surroundings::of(ground, self.feet.xz(), PIECE).support(self.feet);
-        if self.mode == Mode::Walk && self.feet.y - support < BODY_HEIGHT {
-            self.feet.y = support;
-            self.eye_y = support + EYE_HEIGHT;
+        if self.mode == Mode::Walk {
+            self.feet.y = Surroundings::of(ground, self.feet.xz(), PIECE).support(self.feet);
+            self.eye_y = self.feet.y + EYE_HEIGHT;
         }
         self
     }
@@ -375,16 +374,15 @@ mod tests {
     }
 
     #[test]
-    fn a_spawn_near_the_ground_is_on_it_and_one_high_up_falls() {
+    fn who_walks_begins_on_the_ground_and_who_flies_in_the_air() {
         let ground = Ground::flat(5.0);
-        for (y, settled) in [(4.0, 5.0), (6.0, 5.0), (50.0, 50.0)] {
+        for y in [4.0, 6.0, 50.0] {
             let walker = at(0.0, y, 0.0).settled(&ground);
-            assert_eq!(
-                (walker.feet.y, walker.eye().y),
-                (settled, settled + EYE_HEIGHT),
-                "from {y}"
-            );
+            assert_eq!((walker.feet.y, walker.eye().y), (5.0, 5.0 + EYE_HEIGHT), "from {y}");
         }
+        let mut flying = at(0.0, 50.0, 0.0);
+        flying.mode = Mode::Fly;
+        assert_eq!(flying.settled(&ground), flying);
     }
 
     #[test]
