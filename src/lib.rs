@@ -40,7 +40,7 @@ pub mod prelude {
         maths::{split::SplitScheme, warp::Warp},
         render::UmbragePlugins,
         shadow::{
-            settings::{Partitions, PartitionSelection, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+            settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
             technique::Technique,
         },
     };

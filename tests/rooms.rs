@@ -36,9 +36,7 @@ fn complaints(room: &str, source: &str) -> Vec<String> {
             continue;
         }
         match floor(&target) {
-            None => complaints.push(format!(
-                "`{room}` refers to `crate::{target}`, which is no room"
-            )),
+            None => complaints.push(format!("`{room}` refers to `crate::{target}`, which is no room")),
             Some(target_floor) if target_floor >= own_floor => {
                 complaints.push(format!("`{room}` must not import from `{target}`"));
             }
@@ -73,8 +71,7 @@ fn without_comments(source: &str) -> String {
 fn referenced_rooms(code: &str) -> Vec<String> {
     let mut rooms = Vec::new();
     for (position, path) in code.match_indices("crate::") {
-        let is_own_word =
-            !code[..position].ends_with(|before: char| before.is_alphanumeric() || before == '_');
+        let is_own_word = !code[..position].ends_with(|before: char| before.is_alphanumeric() || before == '_');
         if !is_own_word {
             continue;
         }
@@ -120,11 +117,7 @@ fn identifier(text: &str) -> String {
 fn sources(folder: &Path, room: Option<&str>, found: &mut Vec<(String, String, String)>) {
     for entry in fs::read_dir(folder).expect("the source folder is readable") {
         let path = entry.expect("the source folder is readable").path();
-        let name = path
-            .file_stem()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
         let own_room = room.unwrap_or(&name).to_owned();
         if path.is_dir() {
             sources(&path, Some(&own_room), found);
@@ -138,17 +131,9 @@ fn sources(folder: &Path, room: Option<&str>, found: &mut Vec<(String, String, S
 #[test]
 fn imports_point_down() {
     let mut found = Vec::new();
-    sources(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("src"),
-        None,
-        &mut found,
-    );
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), None, &mut found);
     found.retain(|(room, ..)| !OUTSIDE.contains(&room.as_str()));
-    assert!(
-        found.len() > 10,
-        "the sources are found: {} files",
-        found.len()
-    );
+    assert!(found.len() > 10, "the sources are found: {} files", found.len());
     let complaints: Vec<String> = found
         .iter()
         .flat_map(|(room, path, text)| {
@@ -164,10 +149,7 @@ fn imports_point_down() {
 fn forbidden_imports_are_noticed() {
     for (room, source) in [
         ("maths", "use crate::shadow::settings::SunShadows;"),
-        (
-            "maths",
-            "use crate::{maths::warp::Warp, render::UmbragePlugins};",
-        ),
+        ("maths", "use crate::{maths::warp::Warp, render::UmbragePlugins};"),
         ("maths", "use bevy::prelude::*;"),
         ("maths", "fn f(x: bevy::math::Vec3) {}"),
         (
@@ -192,10 +174,7 @@ fn allowed_imports_are_not_complained_about() {
             "maths",
             "use bevy_math::DVec3;\n#[cfg_attr(feature = \"render\", derive(bevy::reflect::Reflect))]",
         ),
-        (
-            "maths",
-            "use crate::maths::{split::SplitScheme, warp::Warp};",
-        ),
+        ("maths", "use crate::maths::{split::SplitScheme, warp::Warp};"),
         ("maths", "//! See crate::render for bevy::render."),
         (
             "shadow",
@@ -211,10 +190,6 @@ fn allowed_imports_are_not_complained_about() {
             "use crate::{demo, level, render, shadow, maths, ui, plot, forge};",
         ),
     ] {
-        assert_eq!(
-            complaints(room, source),
-            Vec::<String>::new(),
-            "{room}: {source}"
-        );
+        assert_eq!(complaints(room, source), Vec::<String>::new(), "{room}: {source}");
     }
 }

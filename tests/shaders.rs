@@ -22,18 +22,9 @@ fn wgsl_structs() -> Vec<(String, u64, Vec<(String, u64)>)> {
             };
             let members = members
                 .iter()
-                .map(|member| {
-                    (
-                        member.name.clone().unwrap_or_default(),
-                        u64::from(member.offset),
-                    )
-                })
+                .map(|member| (member.name.clone().unwrap_or_default(), u64::from(member.offset)))
                 .collect();
-            Some((
-                kind.name.clone().unwrap_or_default(),
-                u64::from(*span),
-                members,
-            ))
+            Some((kind.name.clone().unwrap_or_default(), u64::from(*span), members))
         })
         .collect()
 }
@@ -46,11 +37,7 @@ fn assert_same(name: &str, rust_size: u64, rust_offset: impl Fn(usize) -> u64, m
         .find(|(other, ..)| other == name)
         .unwrap_or_else(|| panic!("no structure {name} in types.wgsl"));
     assert_eq!(rust_size, *size, "size of {name}");
-    assert_eq!(
-        wgsl_members.len(),
-        members.len(),
-        "number of members of {name}"
-    );
+    assert_eq!(wgsl_members.len(), members.len(), "number of members of {name}");
     for (index, (expected, (member, offset))) in members.iter().zip(wgsl_members).enumerate() {
         assert_eq!(expected, member, "member {index} of {name}");
         assert_eq!(rust_offset(index), *offset, "offset of {name}.{member}");
@@ -85,12 +72,7 @@ fn layouts_agree() {
         index_count, instance_count, first_index, base_vertex, first_instance,
     });
     assert_layout!(CullParameters, "CullParameters", { instance_total, bin_count, light_view_count, padding });
-    assert_eq!(
-        wgsl_structs().len(),
-        5,
-        "a structure of types.wgsl has no twin here"
-    );
-    let array = include_str!("../shaders/types.wgsl")
-        .contains(&format!("array<LightView, {MAX_LIGHT_VIEWS}>"));
+    assert_eq!(wgsl_structs().len(), 5, "a structure of types.wgsl has no twin here");
+    let array = include_str!("../shaders/types.wgsl").contains(&format!("array<LightView, {MAX_LIGHT_VIEWS}>"));
     assert!(array, "the array of light views has another length");
 }

@@ -45,12 +45,7 @@ pub fn limited_normal(normal: Vec3, to_light: Vec3) -> Vec3 {
 ///
 /// With clip = M p and ndc = clip.xyz / w, a step t in the world changes ndc by (M t − ndc (row_w · t)) / w. Two steps
 /// that span the plane give a 2×2 system for the gradient of depth over (u, v).
-pub fn receiver_plane(
-    clip_from_world: Mat4,
-    position: Vec3,
-    normal: Vec3,
-    to_light: Vec3,
-) -> Option<ReceiverPlane> {
+pub fn receiver_plane(clip_from_world: Mat4, position: Vec3, normal: Vec3, to_light: Vec3) -> Option<ReceiverPlane> {
     let clip = clip_from_world * position.extend(1.0);
     if clip.w <= 0.0 {
         return None;
@@ -147,10 +142,7 @@ mod tests {
                 limited.dot(Vec3::Y) >= MIN_COS_LIGHT - 1e-6,
                 "{normal} became {limited}"
             );
-            assert!(
-                (limited.length() - 1.0).abs() < 1e-5,
-                "{limited} is not a unit vector"
-            );
+            assert!((limited.length() - 1.0).abs() < 1e-5, "{limited} is not a unit vector");
         }
         assert!(
             receiver_plane(warped(), Vec3::Z * 6.0, Vec3::Y, Vec3::Y).is_none(),

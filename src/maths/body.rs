@@ -14,10 +14,11 @@ use super::{
 /// Built by clipping the scene's box, so that an infinite far plane is exact. Empty when the camera sees nothing of the
 /// scene; NaN and huge boxes are named by [`Polytope::state`].
 pub fn light_visible(view: &ViewVolume, scene: &Bounds) -> Polytope {
-    view.half_spaces().iter().fold(
-        Polytope::from_box(scene.min, scene.max),
-        |body, half_space| body.clip(half_space),
-    )
+    view.half_spaces()
+        .iter()
+        .fold(Polytope::from_box(scene.min, scene.max), |body, half_space| {
+            body.clip(half_space)
+        })
 }
 
 /// The intersection body B of a directional light: everything in the scene that can cast a shadow into H, and H itself.

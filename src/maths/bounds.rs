@@ -79,21 +79,9 @@ impl Bounds {
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|index| {
             DVec3::new(
-                if index & 1 == 0 {
-                    self.min.x
-                } else {
-                    self.max.x
-                },
-                if index & 2 == 0 {
-                    self.min.y
-                } else {
-                    self.max.y
-                },
-                if index & 4 == 0 {
-                    self.min.z
-                } else {
-                    self.max.z
-                },
+                if index & 1 == 0 { self.min.x } else { self.max.x },
+                if index & 2 == 0 { self.min.y } else { self.max.y },
+                if index & 4 == 0 { self.min.z } else { self.max.z },
             )
         })
     }

@@ -2,9 +2,7 @@
 
 use bevy_math::DVec3;
 
-use super::polytope::{
-    FaceRange, HalfSpace, Polytope, PolytopeState, RELATIVE_TOLERANCE, magnitude, mean,
-};
+use super::polytope::{FaceRange, HalfSpace, Polytope, PolytopeState, RELATIVE_TOLERANCE, magnitude, mean};
 
 impl Polytope {
     /// What is left inside a half-space. A body that merely touches it from outside is empty.
@@ -28,11 +26,7 @@ impl Polytope {
             distance: half_space.distance / length,
         };
         let tolerance = RELATIVE_TOLERANCE * magnitude(&self.vertices);
-        let excess: Vec<f64> = self
-            .vertices
-            .iter()
-            .map(|vertex| half_space.excess(*vertex))
-            .collect();
+        let excess: Vec<f64> = self.vertices.iter().map(|vertex| half_space.excess(*vertex)).collect();
         if excess.iter().all(|excess| *excess <= tolerance) {
             return self;
         }
@@ -122,9 +116,7 @@ impl Clip<'_> {
         let kept = &mut self.kept[vertex as usize];
         if *kept == u32::MAX {
             *kept = self.result.vertices.len() as u32;
-            self.result
-                .vertices
-                .push(self.source.vertices[vertex as usize]);
+            self.result.vertices.push(self.source.vertices[vertex as usize]);
         }
         *kept
     }
@@ -136,17 +128,10 @@ impl Clip<'_> {
             return self.keep(not_outside);
         }
         let (a, b) = (not_outside.min(outside), not_outside.max(outside));
-        let known = self
-            .cuts
-            .iter()
-            .find(|cut| (cut.0, cut.1) == (a, b))
-            .map(|cut| cut.2);
+        let known = self.cuts.iter().find(|cut| (cut.0, cut.1) == (a, b)).map(|cut| cut.2);
         let index = known.unwrap_or_else(|| {
             let index = self.result.vertices.len() as u32;
-            let (from, to) = (
-                self.source.vertices[a as usize],
-                self.source.vertices[b as usize],
-            );
+            let (from, to) = (self.source.vertices[a as usize], self.source.vertices[b as usize]);
             let (from_excess, to_excess) = (self.excess[a as usize], self.excess[b as usize]);
             let share = from_excess / (from_excess - to_excess);
             self.result.vertices.push(from + (to - from) * share);
@@ -181,11 +166,7 @@ impl Clip<'_> {
 
 /// Joins directed edges to one closed loop; `None` when they do not form exactly one.
 fn chain(edges: &[[u32; 2]]) -> Option<Vec<u32>> {
-    let mut edges: Vec<[u32; 2]> = edges
-        .iter()
-        .filter(|[from, to]| from != to)
-        .copied()
-        .collect();
+    let mut edges: Vec<[u32; 2]> = edges.iter().filter(|[from, to]| from != to).copied().collect();
     let [first, mut end] = edges.pop()?;
     let mut outline = vec![first];
     while end != first {

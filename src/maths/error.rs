@@ -56,10 +56,7 @@ pub struct LightSample {
 /// Exact for the convex hull of the samples, because both errors are quasi-convex. Samples must have positive depth;
 /// `warp_near` (n') may be infinite; `opening` is 2 tan Θ.
 pub fn largest_errors(samples: &[LightSample], warp_near: f64, opening: f64) -> LargestErrors {
-    let start = samples
-        .iter()
-        .map(|sample| sample.along)
-        .fold(f64::INFINITY, f64::min);
+    let start = samples.iter().map(|sample| sample.along).fold(f64::INFINITY, f64::min);
     let end = samples
         .iter()
         .map(|sample| sample.along)
@@ -68,10 +65,9 @@ pub fn largest_errors(samples: &[LightSample], warp_near: f64, opening: f64) -> 
     let (left, right) = samples
         .iter()
         .map(|sample| sample.across / width(sample))
-        .fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(left, right), across| (left.min(across), right.max(across)),
-        );
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(left, right), across| {
+            (left.min(across), right.max(across))
+        });
     let far_width = 1.0 + (end - start) / warp_near;
     let mut largest = LargestErrors {
         across: 0.0,
@@ -81,9 +77,7 @@ pub fn largest_errors(samples: &[LightSample], warp_near: f64, opening: f64) -> 
         let width = width(sample);
         let pixel = opening * sample.depth;
         largest.across = largest.across.max(width * (right - left) / pixel);
-        largest.along = largest
-            .along
-            .max(width * width * (end - start) / (far_width * pixel));
+        largest.along = largest.along.max(width * width * (end - start) / (far_width * pixel));
     }
     largest
 }

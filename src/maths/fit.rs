@@ -51,11 +51,7 @@ impl LightAxes {
             .unwrap_or_else(|| z.any_orthonormal_vector());
         // Once more, because rounding of a short vector leaves a part along z.
         let y = (y - z * y.dot(z)).normalize();
-        Some(Self {
-            x: y.cross(z),
-            y,
-            z,
-        })
+        Some(Self { x: y.cross(z), y, z })
     }
 
     fn coordinates(&self, point: DVec3) -> DVec3 {
@@ -163,11 +159,7 @@ impl LightFit {
     /// the projection centre.
     pub fn depth_per_metre_at(&self, point: DVec3) -> f64 {
         let w = (self.clip_from_world * point.extend(1.0)).w;
-        if w > 0.0 {
-            self.depth_per_metre / w
-        } else {
-            0.0
-        }
+        if w > 0.0 { self.depth_per_metre / w } else { 0.0 }
     }
 }
 
@@ -193,8 +185,7 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
     {
         return Fit::Degenerate(Unfit::NotFinite);
     }
-    let Some(axes) = LightAxes::new(input.view.forward(), input.view.up(), input.light_travel)
-    else {
+    let Some(axes) = LightAxes::new(input.view.forward(), input.view.up(), input.light_travel) else {
         return Fit::Degenerate(Unfit::NoLightDirection);
     };
     let near_depth = nearest_depth(input.visible, input.view);
@@ -206,8 +197,7 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
     let origin = axes.x * center.x + axes.y * bodies.start + axes.z * bodies.depth_center;
     let rotation = DMat3::from_cols(axes.x, axes.y, axes.z);
     let world_from_light = DMat4::from_mat3_translation(rotation, origin);
-    let light_from_world =
-        DMat4::from_mat3_translation(rotation.transpose(), -(rotation.transpose() * origin));
+    let light_from_world = DMat4::from_mat3_translation(rotation.transpose(), -(rotation.transpose() * origin));
     let clip_from_light = focus.clip_from_light;
     let clip_from_world = clip_from_light * light_from_world;
     if !clip_from_world.is_finite() {
@@ -250,10 +240,7 @@ impl Bodies {
             &corners[..1]
         };
         let in_light = |body: &Polytope| -> Vec<DVec3> {
-            let coordinates = body
-                .vertices()
-                .iter()
-                .map(|vertex| axes.coordinates(*vertex));
+            let coordinates = body.vertices().iter().map(|vertex| axes.coordinates(*vertex));
             coordinates
                 .flat_map(|point| offsets.iter().map(move |offset| point + offset))
                 .collect()
@@ -278,13 +265,7 @@ impl Bodies {
         }
     }
 
-    fn warp(
-        &self,
-        input: &FitInput,
-        axes: &LightAxes,
-        near_depth: f64,
-        across_center: f64,
-    ) -> ChosenWarp {
+    fn warp(&self, input: &FitInput, axes: &LightAxes, near_depth: f64, across_center: f64) -> ChosenWarp {
         if input.view.is_orthographic() || self.extent <= self.smallest {
             return ChosenWarp::UNIFORM;
         }
@@ -353,8 +334,8 @@ impl Focus {
         );
         let scale_across = 2.0 * inner / (right - left);
         let scale_along = inner * (2.0 / bodies.extent + bend);
-        let row_across = DVec4::new(scale_across, 0.0, 0.0, 0.0)
-            - row_of_width(bend) * (scale_across * (left + right) * 0.5);
+        let row_across =
+            DVec4::new(scale_across, 0.0, 0.0, 0.0) - row_of_width(bend) * (scale_across * (left + right) * 0.5);
         let row_along = DVec4::new(0.0, scale_along, 0.0, -inner);
 
         let texel_sides = |width: f64| {
@@ -364,8 +345,7 @@ impl Focus {
             )
         };
         let largest_texel_size = texel_sides(warp.width(bodies.extent)).max_element();
-        let middle =
-            bodies.body.iter().map(|point| point.y).sum::<f64>() / bodies.body.len() as f64;
+        let middle = bodies.body.iter().map(|point| point.y).sum::<f64>() / bodies.body.len() as f64;
         let texel_size = texel_sides(warp.width(middle)).element_product().sqrt();
 
         let (farthest, nearest) = padded_range(
@@ -377,8 +357,7 @@ impl Focus {
             bodies.smallest,
         );
         let depth_per_metre = 1.0 / (nearest - farthest);
-        let row_depth =
-            (DVec4::new(0.0, 0.0, 1.0, 0.0) - row_of_width(bend) * farthest) * depth_per_metre;
+        let row_depth = (DVec4::new(0.0, 0.0, 1.0, 0.0) - row_of_width(bend) * farthest) * depth_per_metre;
 
         let rows = DMat4::from_cols(row_across, row_along, row_depth, row_of_width(bend));
         Self {

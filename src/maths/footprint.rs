@@ -19,24 +19,16 @@ pub struct Footprint {
 /// is the light plane. Pass a camera's matrix and picture size for the footprint of a pixel.
 ///
 /// `None` where the projection has none: behind its centre, or a singular or NaN matrix.
-pub fn texel_footprint(
-    clip_from_world: &DMat4,
-    map_size: UVec2,
-    point: DVec3,
-) -> Option<Footprint> {
+pub fn texel_footprint(clip_from_world: &DMat4, map_size: UVec2, point: DVec3) -> Option<Footprint> {
     let clip = *clip_from_world * point.extend(1.0);
     if !(clip.w > 0.0) {
         return None;
     }
     let gradient = |row: usize, coordinate: f64, size: u32| {
         let row_gradient = clip_from_world.row(row).xyz();
-        (row_gradient - clip_from_world.row(3).xyz() * (coordinate / clip.w))
-            * (0.5 * f64::from(size) / clip.w)
+        (row_gradient - clip_from_world.row(3).xyz() * (coordinate / clip.w)) * (0.5 * f64::from(size) / clip.w)
     };
-    let gradients = [
-        gradient(0, clip.x, map_size.x),
-        gradient(1, clip.y, map_size.y),
-    ];
+    let gradients = [gradient(0, clip.x, map_size.x), gradient(1, clip.y, map_size.y)];
     let normal = gradients[0].cross(gradients[1]);
     let square = normal.length_squared();
     let footprint = Footprint {
@@ -61,9 +53,7 @@ impl Footprint {
 
     /// Texels per metre along two tangents of a surface.
     fn texels_per_metre(&self, tangents: [DVec3; 2]) -> DMat2 {
-        DMat2::from_cols_array_2d(
-            &tangents.map(|tangent| self.gradients.map(|gradient| gradient.dot(tangent))),
-        )
+        DMat2::from_cols_array_2d(&tangents.map(|tangent| self.gradients.map(|gradient| gradient.dot(tangent))))
     }
 }
 
@@ -88,11 +78,7 @@ pub struct TexelsOnPixels {
 
 /// Compares a texel with a pixel on a surface with the given normal through the point of both footprints. `None` when
 /// the surface is edge-on to the light or the camera.
-pub fn texels_on_pixels(
-    texel: &Footprint,
-    pixel: &Footprint,
-    normal: DVec3,
-) -> Option<TexelsOnPixels> {
+pub fn texels_on_pixels(texel: &Footprint, pixel: &Footprint, normal: DVec3) -> Option<TexelsOnPixels> {
     let normal = normal.try_normalize()?;
     let (right, up) = normal.any_orthonormal_pair();
     let map_from_surface = texel.texels_per_metre([right, up]);
@@ -104,9 +90,7 @@ pub fn texels_on_pixels(
         return None;
     }
     let square_sum = across.length_squared() + along.length_squared();
-    let gap = (square_sum * square_sum - 4.0 * area * area)
-        .max(0.0)
-        .sqrt();
+    let gap = (square_sum * square_sum - 4.0 * area * area).max(0.0).sqrt();
     Some(TexelsOnPixels {
         across: across.length(),
         along: along.length(),

@@ -2,9 +2,7 @@
 
 use bevy_math::{DVec2, DVec3};
 
-use super::polytope::{
-    HalfSpace, LARGEST_COORDINATE, Polytope, PolytopeState, RELATIVE_TOLERANCE, magnitude,
-};
+use super::polytope::{HalfSpace, LARGEST_COORDINATE, Polytope, PolytopeState, RELATIVE_TOLERANCE, magnitude};
 
 impl Polytope {
     /// The convex hull. Points in one plane give a [flat](PolytopeState::Flat) body, points on one line an empty one.
@@ -21,11 +19,7 @@ impl Polytope {
         let tolerance = RELATIVE_TOLERANCE * scale;
         let mut body = Self::default();
         for point in points {
-            if body
-                .vertices
-                .iter()
-                .all(|other| other.distance(*point) > tolerance)
-            {
+            if body.vertices.iter().all(|other| other.distance(*point) > tolerance) {
                 body.vertices.push(*point);
             }
         }
@@ -34,21 +28,16 @@ impl Polytope {
         for i in 0..points.len() {
             for j in i + 1..points.len() {
                 for k in j + 1..points.len() {
-                    for half_space in
-                        supporting_planes([points[i], points[j], points[k]], &points, tolerance)
-                    {
+                    for half_space in supporting_planes([points[i], points[j], points[k]], &points, tolerance) {
                         let triple = [i as u32, j as u32, k as u32];
                         let known = members.iter().any(|(normal, indices)| {
-                            normal.dot(half_space.normal) > 0.0
-                                && triple.iter().all(|index| indices.contains(index))
+                            normal.dot(half_space.normal) > 0.0 && triple.iter().all(|index| indices.contains(index))
                         });
                         if known {
                             continue;
                         }
                         let on_plane: Vec<u32> = (0..points.len() as u32)
-                            .filter(|index| {
-                                half_space.excess(points[*index as usize]) >= -tolerance
-                            })
+                            .filter(|index| half_space.excess(points[*index as usize]) >= -tolerance)
                             .collect();
                         let outline = outline(&points, &on_plane, half_space.normal, tolerance);
                         if outline.len() >= 3 {
@@ -78,11 +67,7 @@ fn supporting_planes(triangle: [DVec3; 3], points: &[DVec3], tolerance: f64) -> 
     };
     [front, back]
         .into_iter()
-        .filter(|half_space| {
-            points
-                .iter()
-                .all(|point| half_space.excess(*point) <= tolerance)
-        })
+        .filter(|half_space| points.iter().all(|point| half_space.excess(*point) <= tolerance))
         .collect()
 }
 
@@ -114,9 +99,5 @@ fn outline(points: &[DVec3], indices: &[u32], normal: DVec3, tolerance: f64) -> 
     };
     let lower = half(&mut flat.iter());
     let upper = half(&mut flat.iter().rev());
-    lower
-        .into_iter()
-        .chain(upper)
-        .map(|(_, index)| index)
-        .collect()
+    lower.into_iter().chain(upper).map(|(_, index)| index).collect()
 }

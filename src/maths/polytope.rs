@@ -127,14 +127,7 @@ impl Polytope {
             corner(true, true, false),
             corner(false, true, false),
         ];
-        let normals = [
-            DVec3::Z,
-            DVec3::NEG_Z,
-            DVec3::X,
-            DVec3::NEG_X,
-            DVec3::Y,
-            DVec3::NEG_Y,
-        ];
+        let normals = [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y];
         let mut body = Self {
             vertices: corners.to_vec(),
             ..Self::default()
@@ -159,9 +152,7 @@ impl Polytope {
         };
         for quad in &FRUSTUM_QUADS {
             let points = quad.map(|index| corners[index as usize]);
-            let normal = (points[2] - points[0])
-                .cross(points[3] - points[1])
-                .normalize_or_zero();
+            let normal = (points[2] - points[0]).cross(points[3] - points[1]).normalize_or_zero();
             let mut half_space = HalfSpace::through(mean(&points), normal);
             let mut quad = *quad;
             if half_space.excess(center) > 0.0 {
@@ -300,11 +291,7 @@ impl Polytope {
 
     /// True when the point is inside or on the surface, give or take `tolerance` metres.
     pub fn contains(&self, point: DVec3, tolerance: f64) -> bool {
-        !self.faces.is_empty()
-            && self
-                .faces
-                .iter()
-                .all(|face| face.half_space.excess(point) <= tolerance)
+        !self.faces.is_empty() && self.faces.iter().all(|face| face.half_space.excess(point) <= tolerance)
     }
 
     /// Volume in cubic metres.
@@ -314,8 +301,7 @@ impl Polytope {
             .map(|face| {
                 let area: DVec3 = (1..face.indices.len().saturating_sub(1))
                     .map(|index| {
-                        let [a, b, c] = [0, index, index + 1]
-                            .map(|index| self.vertices[face.indices[index] as usize]);
+                        let [a, b, c] = [0, index, index + 1].map(|index| self.vertices[face.indices[index] as usize]);
                         (b - a).cross(c - a) * 0.5
                     })
                     .sum();

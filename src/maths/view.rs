@@ -12,9 +12,7 @@ pub enum ViewError {
     #[error("the camera's position, direction or projection is not a finite number")]
     NotFinite,
     /// Near and far enclose nothing, or the near plane of a perspective camera is not in front of the eye.
-    #[error(
-        "the camera's near plane must lie in front of its far plane, and of the eye if it is a perspective camera"
-    )]
+    #[error("the camera's near plane must lie in front of its far plane, and of the eye if it is a perspective camera")]
     NoRange,
     /// The opening has no area.
     #[error("the camera's projection has no area")]
@@ -94,13 +92,8 @@ impl ViewVolume {
         let up = right.cross(forward);
         let corners = [0, 1].map(|end| {
             let (min, max) = openings[end];
-            [
-                (min.x, min.y),
-                (max.x, min.y),
-                (max.x, max.y),
-                (min.x, max.y),
-            ]
-            .map(|(x, y)| eye + right * x + up * y + forward * depths[end])
+            [(min.x, min.y), (max.x, min.y), (max.x, max.y), (min.x, max.y)]
+                .map(|(x, y)| eye + right * x + up * y + forward * depths[end])
         });
         Self::from_corners(eye, forward, up, corners, near, far)
     }
@@ -116,18 +109,14 @@ impl ViewVolume {
         far: f64,
     ) -> Result<Self, ViewError> {
         let forward = forward.try_normalize().ok_or(ViewError::NotFinite)?;
-        let finite = eye.is_finite()
-            && up.is_finite()
-            && corners.iter().flatten().all(|corner| corner.is_finite());
+        let finite = eye.is_finite() && up.is_finite() && corners.iter().flatten().all(|corner| corner.is_finite());
         if !finite || !near.is_finite() || far.is_nan() {
             return Err(ViewError::NotFinite);
         }
         let depths = corners.map(|[corner, ..]| (corner - eye).dot(forward));
-        let slopes: [DVec3; 4] = std::array::from_fn(|index| {
-            (corners[1][index] - corners[0][index]) / (depths[1] - depths[0])
-        });
-        let offsets: [DVec3; 4] =
-            std::array::from_fn(|index| corners[0][index] - eye - slopes[index] * depths[0]);
+        let slopes: [DVec3; 4] =
+            std::array::from_fn(|index| (corners[1][index] - corners[0][index]) / (depths[1] - depths[0]));
+        let offsets: [DVec3; 4] = std::array::from_fn(|index| corners[0][index] - eye - slopes[index] * depths[0]);
         if !slopes.iter().all(|slope| slope.is_finite()) {
             return Err(ViewError::NoRange);
         }
@@ -136,8 +125,7 @@ impl ViewVolume {
             return Err(ViewError::NoRange);
         }
         let diagonals = [corners[1][2] - corners[1][0], corners[1][3] - corners[1][1]];
-        if diagonals[0].cross(diagonals[1]).length()
-            <= 1.0e-12 * diagonals[0].length() * diagonals[1].length()
+        if diagonals[0].cross(diagonals[1]).length() <= 1.0e-12 * diagonals[0].length() * diagonals[1].length()
             || diagonals[0] == DVec3::ZERO
         {
             return Err(ViewError::NoArea);
@@ -218,8 +206,7 @@ impl ViewVolume {
 
     /// The half-spaces whose intersection is the volume: four sides, near, and far unless it is infinite.
     pub fn half_spaces(&self) -> Vec<HalfSpace> {
-        let at_one: [DVec3; 4] =
-            std::array::from_fn(|index| self.eye + self.offsets[index] + self.slopes[index]);
+        let at_one: [DVec3; 4] = std::array::from_fn(|index| self.eye + self.offsets[index] + self.slopes[index]);
         let center = at_one.iter().sum::<DVec3>() * 0.25;
         let mut half_spaces = Vec::with_capacity(6);
         for index in 0..4 {
@@ -234,23 +221,15 @@ impl ViewVolume {
                 side
             });
         }
-        half_spaces.push(HalfSpace::through(
-            self.eye + self.forward * self.near,
-            -self.forward,
-        ));
+        half_spaces.push(HalfSpace::through(self.eye + self.forward * self.near, -self.forward));
         if self.far.is_finite() {
-            half_spaces.push(HalfSpace::through(
-                self.eye + self.forward * self.far,
-                self.forward,
-            ));
+            half_spaces.push(HalfSpace::through(self.eye + self.forward * self.far, self.forward));
         }
         half_spaces
     }
 
     /// The volume itself as a body; a far plane farther than `farthest` metres is drawn in to it.
     pub fn polytope(&self, farthest: f64) -> Polytope {
-        Polytope::from_frustum_corners(
-            &self.corners(self.near, self.far.min(farthest.max(self.near))),
-        )
+        Polytope::from_frustum_corners(&self.corners(self.near, self.far.min(farthest.max(self.near))))
     }
 }

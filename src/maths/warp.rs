@@ -127,8 +127,7 @@ pub fn guarded_eta(target: f64, samples: &[LightSample], span: &WarpSpan) -> f64
     let cost = |eta: f64| largest_errors(samples, span.warp_near(eta), 1.0).storage_factor();
     let (mut left, mut right) = (-1.0_f64, 0.0_f64);
     for _ in 0..GUARD_STEPS {
-        let [inner_left, inner_right] =
-            [GOLDEN, 1.0 - GOLDEN].map(|share| left + (right - left) * share);
+        let [inner_left, inner_right] = [GOLDEN, 1.0 - GOLDEN].map(|share| left + (right - left) * share);
         if cost(inner_left) <= cost(inner_right) {
             right = inner_right;
         } else {

@@ -6,8 +6,8 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
-            TextureView, TextureViewDescriptor,
+            Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+            TextureViewDescriptor,
         },
         renderer::RenderDevice,
     },
@@ -93,45 +93,26 @@ pub fn prepare_atlas(
     stale: Query<Entity, (With<ShadowAtlas>, Without<ExtractedSun>)>,
 ) {
     for entity in &stale {
-        commands
-            .entity(entity)
-            .remove::<(ShadowAtlas, ShadowResult)>();
+        commands.entity(entity).remove::<(ShadowAtlas, ShadowResult)>();
     }
     for (entity, sun, camera, atlas, result) in &cameras {
-        let Some(size) = camera
-            .physical_target_size
-            .filter(|size| size.min_element() > 0)
-        else {
-            commands
-                .entity(entity)
-                .remove::<(ShadowAtlas, ShadowResult)>();
+        let Some(size) = camera.physical_target_size.filter(|size| size.min_element() > 0) else {
+            commands.entity(entity).remove::<(ShadowAtlas, ShadowResult)>();
             continue;
         };
         let count = sun.light_views.len() as u32;
         let grid = atlas_grid(count);
-        let cell = cell_size(
-            sun.settings.map_size,
-            grid,
-            device.limits().max_texture_dimension_2d,
-        );
+        let cell = cell_size(sun.settings.map_size, grid, device.limits().max_texture_dimension_2d);
         if cell != sun.settings.map_size {
             warn_once!(
                 "map_size {} does not fit the device's textures and is reduced to {cell}",
                 sun.settings.map_size
             );
         }
-        if !atlas.is_some_and(|atlas| (atlas.grid, atlas.cell, atlas.count) == (grid, cell, count))
-        {
+        if !atlas.is_some_and(|atlas| (atlas.grid, atlas.cell, atlas.count) == (grid, cell, count)) {
             let (texture, view) = match atlas {
-                Some(atlas) if (atlas.grid, atlas.cell) == (grid, cell) => {
-                    (atlas.texture.clone(), atlas.view.clone())
-                }
-                _ => create_target(
-                    &device,
-                    "umbrage_shadow_atlas",
-                    UVec2::splat(grid * cell),
-                    ATLAS_FORMAT,
-                ),
+                Some(atlas) if (atlas.grid, atlas.cell) == (grid, cell) => (atlas.texture.clone(), atlas.view.clone()),
+                _ => create_target(&device, "umbrage_shadow_atlas", UVec2::splat(grid * cell), ATLAS_FORMAT),
             };
             commands.entity(entity).insert(ShadowAtlas {
                 texture,
@@ -142,23 +123,13 @@ pub fn prepare_atlas(
             });
         }
         if result.is_none_or(|result| result.size != size) {
-            let (texture, view) =
-                create_target(&device, "umbrage_shadow_result", size, RESULT_FORMAT);
-            commands.entity(entity).insert(ShadowResult {
-                texture,
-                view,
-                size,
-            });
+            let (texture, view) = create_target(&device, "umbrage_shadow_result", size, RESULT_FORMAT);
+            commands.entity(entity).insert(ShadowResult { texture, view, size });
         }
     }
 }
 
-fn create_target(
-    device: &RenderDevice,
-    label: &str,
-    size: UVec2,
-    format: TextureFormat,
-) -> (Texture, TextureView) {
+fn create_target(device: &RenderDevice, label: &str, size: UVec2, format: TextureFormat) -> (Texture, TextureView) {
     let texture = device.create_texture(&TextureDescriptor {
         label: Some(label),
         size: Extent3d {
@@ -170,9 +141,7 @@ fn create_target(
         sample_count: 1,
         dimension: TextureDimension::D2,
         format,
-        usage: TextureUsages::RENDER_ATTACHMENT
-            | TextureUsages::TEXTURE_BINDING
-            | TextureUsages::COPY_SRC,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
         view_formats: &[],
     });
     let view = texture.create_view(&TextureViewDescriptor::default());
@@ -187,10 +156,7 @@ mod tests {
     fn cells_fill_the_grid_without_overlap() {
         for count in 1..=16_u32 {
             let grid = atlas_grid(count);
-            assert!(
-                grid * grid >= count,
-                "{count} maps need more than {grid}² cells"
-            );
+            assert!(grid * grid >= count, "{count} maps need more than {grid}² cells");
             assert!(
                 grid == 1 || (grid - 1) * (grid - 1) < count,
                 "{grid}² cells are too many for {count} maps"
@@ -202,11 +168,7 @@ mod tests {
                     "cell {a} of {count} is outside"
                 );
                 for b in 0..a {
-                    assert_ne!(
-                        rect,
-                        cell_rect(b, grid, 8),
-                        "cells {a} and {b} of {count} coincide"
-                    );
+                    assert_ne!(rect, cell_rect(b, grid, 8), "cells {a} and {b} of {count} coincide");
                 }
             }
         }
@@ -214,11 +176,7 @@ mod tests {
 
     #[test]
     fn cells_are_reduced_to_the_device() {
-        assert_eq!(
-            cell_size(4096, 4, 8192),
-            2048,
-            "four cells of 4096 do not fit 8192"
-        );
+        assert_eq!(cell_size(4096, 4, 8192), 2048, "four cells of 4096 do not fit 8192");
         assert_eq!(cell_size(2048, 2, 8192), 2048, "a size that fits is kept");
     }
 }

@@ -19,10 +19,7 @@ pub(super) fn prepare_cameras(
     suns: Query<&SunShadows>,
     cameras: Query<(Entity, &Msaa, Has<DepthPrepass>), With<Camera3d>>,
 ) {
-    if !suns
-        .iter()
-        .any(|settings| settings.path == ShadowPath::Full)
-    {
+    if !suns.iter().any(|settings| settings.path == ShadowPath::Full) {
         return;
     }
     for (camera, msaa, has_prepass) in &cameras {

@@ -13,7 +13,9 @@ use crate::{maths::warp::Warp, shadow::settings::SunShadows};
 /// Bevy emulates the clamp in the vertex shader with `min(z, 1)`, which is only right where w = 1, that is without a
 /// warp.
 pub(super) fn limit_to_device(app: &mut App) {
-    let Some(device) = app.get_sub_app(RenderApp).and_then(|render_app| render_app.world().get_resource::<RenderDevice>())
+    let Some(device) = app
+        .get_sub_app(RenderApp)
+        .and_then(|render_app| render_app.world().get_resource::<RenderDevice>())
     else {
         return;
     };

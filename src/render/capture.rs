@@ -10,9 +10,9 @@ use bevy::{
         RenderApp,
         render_asset::RenderAssets,
         render_resource::{
-            BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, Origin3d,
-            PollType, TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
-            TextureAspect, TextureFormat, TextureUsages,
+            BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, Origin3d, PollType,
+            TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect, TextureFormat,
+            TextureUsages,
         },
         renderer::{RenderDevice, RenderQueue},
         texture::GpuImage,
@@ -91,10 +91,7 @@ pub fn readable_target(width: u32, height: u32, format: TextureFormat) -> Image 
 /// # Errors
 /// The image is not prepared, or not readable: see [`readable_target`].
 pub fn read_image(app: &App, image: &Handle<Image>) -> Result<Texels, CaptureError> {
-    let world = app
-        .get_sub_app(RenderApp)
-        .ok_or(CaptureError::NoRenderer)?
-        .world();
+    let world = app.get_sub_app(RenderApp).ok_or(CaptureError::NoRenderer)?.world();
     let images = world
         .get_resource::<RenderAssets<GpuImage>>()
         .ok_or(CaptureError::NoRenderer)?;
@@ -106,11 +103,7 @@ pub fn read_image(app: &App, image: &Handle<Image>) -> Result<Texels, CaptureErr
 ///
 /// # Errors
 /// The texture lacks `COPY_SRC`, has no such layer or has a format without a texel size.
-pub fn read_texture(
-    render_world: &World,
-    texture: &Texture,
-    layer: u32,
-) -> Result<Texels, CaptureError> {
+pub fn read_texture(render_world: &World, texture: &Texture, layer: u32) -> Result<Texels, CaptureError> {
     let (Some(device), Some(queue)) = (
         render_world.get_resource::<RenderDevice>(),
         render_world.get_resource::<RenderQueue>(),
@@ -144,18 +137,12 @@ pub fn read_texture(
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor {
-        label: Some("capture"),
-    });
+    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("capture") });
     encoder.copy_texture_to_buffer(
         TexelCopyTextureInfo {
             texture,
             mip_level: 0,
-            origin: Origin3d {
-                x: 0,
-                y: 0,
-                z: layer,
-            },
+            origin: Origin3d { x: 0, y: 0, z: layer },
             aspect,
         },
         TexelCopyBufferInfo {

@@ -55,29 +55,24 @@ fn extract_suns(
 ) {
     for (camera, camera_render, msaa) in &cameras {
         let mut full_path_suns = suns.iter().filter(|_| takes_full_path(*msaa));
-        let found = full_path_suns.find_map(
-            |(light, directional, settings, views, transform, visibility)| {
-                if settings.path != ShadowPath::Full
-                    || !directional.shadow_maps_enabled
-                    || !visibility.get()
-                {
-                    return None;
-                }
-                // A camera without views sees nothing that could be shadowed: its shadow result is lit everywhere.
-                let camera_views = views.cameras.get(&camera);
-                let partitions = camera_views.map_or(&[][..], |views| &views.partitions);
-                Some(ExtractedSun {
-                    light: light.id(),
-                    settings: checked(settings).0,
-                    direction_to_light: *transform.back(),
-                    shadow_distance: camera_views.map_or(f32::MAX, |views| views.far_depth),
-                    light_views: partitions
-                        .iter()
-                        .map(|partition| partition.light_view.clone())
-                        .collect(),
-                })
-            },
-        );
+        let found = full_path_suns.find_map(|(light, directional, settings, views, transform, visibility)| {
+            if settings.path != ShadowPath::Full || !directional.shadow_maps_enabled || !visibility.get() {
+                return None;
+            }
+            // A camera without views sees nothing that could be shadowed: its shadow result is lit everywhere.
+            let camera_views = views.cameras.get(&camera);
+            let partitions = camera_views.map_or(&[][..], |views| &views.partitions);
+            Some(ExtractedSun {
+                light: light.id(),
+                settings: checked(settings).0,
+                direction_to_light: *transform.back(),
+                shadow_distance: camera_views.map_or(f32::MAX, |views| views.far_depth),
+                light_views: partitions
+                    .iter()
+                    .map(|partition| partition.light_view.clone())
+                    .collect(),
+            })
+        });
         match (found, already.get_mut(camera_render.id())) {
             (Some(sun), Ok(mut old)) => *old = sun,
             (Some(sun), Err(_)) => {

@@ -71,13 +71,12 @@ pub struct RenderPlugin;
 impl Plugin for RenderPlugin {
     fn build(&self, app: &mut App) {
         shaders::embed(app);
-        app.add_systems(PreUpdate, camera::prepare_cameras)
-            .add_plugins((
-                extract::ExtractPlugin,
-                bridge::BridgePlugin,
-                caster::CasterPlugin,
-                apply::ApplyPlugin,
-            ));
+        app.add_systems(PreUpdate, camera::prepare_cameras).add_plugins((
+            extract::ExtractPlugin,
+            bridge::BridgePlugin,
+            caster::CasterPlugin,
+            apply::ApplyPlugin,
+        ));
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

@@ -23,10 +23,8 @@ macro_rules! embed_shader {
 const LIBRARIES: [&str; 3] = ["types.wgsl", "spaces.wgsl", "bias.wgsl"];
 
 /// The lookup that [`bridge`](super::bridge) appends to Bevy's shadow module.
-pub(crate) const FETCH_SHADOW: &str = include_str!(concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/shaders/bridge/fetch_shadow.wgsl"
-));
+pub(crate) const FETCH_SHADOW: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/bridge/fetch_shadow.wgsl"));
 
 /// Keeps handles of shader libraries: a module that nobody holds is unloaded.
 #[derive(Resource)]

@@ -26,14 +26,10 @@ pub enum Correction {
     #[error("SunShadows::map_size must be 16 to 8192: the nearest is used")]
     MapSize,
     /// `map_size` on the drop-in path.
-    #[error(
-        "SunShadows::map_size must be a power of two on the drop-in path: the next larger is used"
-    )]
+    #[error("SunShadows::map_size must be a power of two on the drop-in path: the next larger is used")]
     DropInMapSize,
     /// `partitions.scheme`.
-    #[error(
-        "SunShadows::partitions.scheme: lambda must be 0 to 1: the nearest is used, 0.5 for NaN"
-    )]
+    #[error("SunShadows::partitions.scheme: lambda must be 0 to 1: the nearest is used, 0.5 for NaN")]
     Lambda,
     /// `warp`.
     #[error("SunShadows::warp: eta must be -1 to 1: the nearest is used, -1 for NaN")]
@@ -79,26 +75,17 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
     if let SplitScheme::Practical { lambda } = &mut settings.partitions.scheme
         && !(0.0..=1.0).contains(lambda)
     {
-        *lambda = if lambda.is_nan() {
-            0.5
-        } else {
-            lambda.clamp(0.0, 1.0)
-        };
+        *lambda = if lambda.is_nan() { 0.5 } else { lambda.clamp(0.0, 1.0) };
         corrections.push(Correction::Lambda);
     }
     if let Warp::Free { eta } = &mut settings.warp
         && !(-1.0..=1.0).contains(eta)
     {
-        *eta = if eta.is_nan() {
-            -1.0
-        } else {
-            eta.clamp(-1.0, 1.0)
-        };
+        *eta = if eta.is_nan() { -1.0 } else { eta.clamp(-1.0, 1.0) };
         corrections.push(Correction::Eta);
     }
     let is_size = |value: f32| value.is_finite() && value >= 0.0;
-    if let ShadowBias::Constant { metres: bias } | ShadowBias::Footprint { scale: bias } =
-        &mut settings.bias
+    if let ShadowBias::Constant { metres: bias } | ShadowBias::Footprint { scale: bias } = &mut settings.bias
         && !is_size(*bias)
     {
         *bias = 0.0;
@@ -132,17 +119,9 @@ mod tests {
 
     #[test]
     fn presets_need_no_correction() {
-        for preset in [
-            SunShadows::LOW,
-            SunShadows::MEDIUM,
-            SunShadows::HIGH,
-            SunShadows::ULTRA,
-        ] {
+        for preset in [SunShadows::LOW, SunShadows::MEDIUM, SunShadows::HIGH, SunShadows::ULTRA] {
             for path in [ShadowPath::Full, ShadowPath::DropIn] {
-                let preset = SunShadows {
-                    path,
-                    ..preset.clone()
-                };
+                let preset = SunShadows { path, ..preset.clone() };
                 assert_eq!(checked(&preset), (preset, Vec::new()));
             }
         }
@@ -158,29 +137,20 @@ mod tests {
             },
             warp: Warp::Free { eta: 2.0 },
             map_size: 1000,
-            bias: ShadowBias::Footprint {
-                scale: f32::INFINITY,
-            },
+            bias: ShadowBias::Footprint { scale: f32::INFINITY },
             distance: Some(f32::NAN),
             near: Some(-1.0),
             ..SunShadows::HIGH
         };
         let (right, corrections) = checked(&wrong);
         assert_eq!(right.partitions.count, 4);
-        assert_eq!(
-            right.partitions.scheme,
-            SplitScheme::Practical { lambda: 0.5 }
-        );
+        assert_eq!(right.partitions.scheme, SplitScheme::Practical { lambda: 0.5 });
         assert_eq!(right.warp, Warp::Free { eta: 1.0 });
         assert_eq!(right.map_size, 1024);
         assert_eq!(right.bias, ShadowBias::Footprint { scale: 0.0 });
         assert_eq!((right.distance, right.near), (None, None));
         assert_eq!(corrections.len(), 7, "{corrections:?}");
-        assert_eq!(
-            checked(&right).1,
-            Vec::new(),
-            "corrected settings are right"
-        );
+        assert_eq!(checked(&right).1, Vec::new(), "corrected settings are right");
     }
 
     #[test]

@@ -30,11 +30,7 @@ pub fn visible_depths(view: &ViewVolume, scene: &SceneBounds) -> Option<(f64, f6
 
 /// Split distances for a range of view depth. Orthographic cameras see everything at one scale: they split uniformly,
 /// unless the distances are set by hand.
-pub fn partition_depths(
-    settings: &SunShadows,
-    orthographic: bool,
-    (near, far): (f64, f64),
-) -> Vec<f64> {
+pub fn partition_depths(settings: &SunShadows, orthographic: bool, (near, far): (f64, f64)) -> Vec<f64> {
     let scheme = match &settings.partitions.scheme {
         manual @ SplitScheme::Manual(_) => manual,
         _ if orthographic => &SplitScheme::Uniform,
@@ -86,9 +82,7 @@ impl Fitter<'_> {
     fn partition(&self, slice: &ViewVolume) -> PartitionView {
         let (body, fit) = self.fit(slice, self.settings.warp);
         PartitionView {
-            split_frustum: slice
-                .corners(slice.near(), slice.far())
-                .map(|corner| corner.as_vec3()),
+            split_frustum: slice.corners(slice.near(), slice.far()).map(|corner| corner.as_vec3()),
             body,
             light_view: match fit {
                 Some(fit) => light_view(&fit, slice),

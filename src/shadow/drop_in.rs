@@ -102,12 +102,9 @@ pub(super) fn write(
         Some(views) => {
             config.minimum_distance = views.partitions[0].light_view.near_depth.max(0.0);
             config.bounds.clear();
-            config.bounds.extend(
-                views
-                    .partitions
-                    .iter()
-                    .map(|partition| partition.light_view.far_depth),
-            );
+            config
+                .bounds
+                .extend(views.partitions.iter().map(|partition| partition.light_view.far_depth));
             // The farthest receiver itself is in front of the last bound.
             if let Some(last) = config.bounds.last_mut() {
                 *last += last.abs() * 1.0e-4;

@@ -27,8 +27,7 @@ const LARGEST_MASK: u32 = 8192;
 /// The cascade of the mask layer: a box of a millimetre far below the world, which sees no caster.
 pub fn mask_cascade() -> Cascade {
     let world_from_cascade = Mat4::from_translation(Vec3::Y * MASK_HEIGHT);
-    let clip_from_cascade =
-        Mat4::from_scale(Vec3::new(2.0 / MASK_BOX, 2.0 / MASK_BOX, 1.0 / MASK_BOX));
+    let clip_from_cascade = Mat4::from_scale(Vec3::new(2.0 / MASK_BOX, 2.0 / MASK_BOX, 1.0 / MASK_BOX));
     Cascade {
         world_from_cascade,
         clip_from_cascade,
@@ -40,10 +39,7 @@ pub fn mask_cascade() -> Cascade {
 /// Side of the mask layer in texels that holds the shadow result of a picture: the power of two that Bevy's shadow maps
 /// demand.
 pub fn mask_size(picture: UVec2) -> usize {
-    picture
-        .max_element()
-        .clamp(1, LARGEST_MASK)
-        .next_power_of_two() as usize
+    picture.max_element().clamp(1, LARGEST_MASK).next_power_of_two() as usize
 }
 
 /// Overwrites the cascades of every camera with master view and mask layer. Cameras that see nothing get an empty master
@@ -78,23 +74,12 @@ mod tests {
     #[test]
     fn the_mask_layer_contains_nothing() {
         let mask = mask_cascade();
-        for point in [
-            Vec3::ZERO,
-            Vec3::splat(1.0e4),
-            Vec3::NEG_Y * 9.0e5,
-            Vec3::X * 0.0004,
-        ] {
+        for point in [Vec3::ZERO, Vec3::splat(1.0e4), Vec3::NEG_Y * 9.0e5, Vec3::X * 0.0004] {
             let ndc = mask.clip_from_world.project_point3(point);
-            assert!(
-                ndc.is_finite() && ndc.abs().max_element() > 1.0,
-                "{point}: {ndc}"
-            );
+            assert!(ndc.is_finite() && ndc.abs().max_element() > 1.0, "{point}: {ndc}");
         }
         let own = mask.clip_from_cascade * mask.world_from_cascade.inverse();
-        assert!(
-            own.abs_diff_eq(mask.clip_from_world, 1.0e-3),
-            "the matrices compose"
-        );
+        assert!(own.abs_diff_eq(mask.clip_from_world, 1.0e-3), "the matrices compose");
     }
 
     #[test]

@@ -60,8 +60,7 @@ pub(super) fn plugin(app: &mut App) {
     app.insert_gizmo_config(SunShadowGizmos::default(), disabled)
         .add_systems(
             PostUpdate,
-            draw.after(ShadowSystems::UpdateLightViews)
-                .run_if(is_enabled),
+            draw.after(ShadowSystems::UpdateLightViews).run_if(is_enabled),
         );
 }
 
@@ -85,12 +84,7 @@ fn draw(lights: Query<&SunViews>, mut gizmos: Gizmos<SunShadowGizmos>) {
             }
             let faint = color.with_alpha(0.4);
             if shown.split_frusta && !partition.body.is_empty() {
-                draw_box(
-                    &mut gizmos,
-                    partition.split_frustum,
-                    [0, 1, 3, 2, 4, 5, 7, 6],
-                    faint,
-                );
+                draw_box(&mut gizmos, partition.split_frustum, [0, 1, 3, 2, 4, 5, 7, 6], faint);
             }
             if shown.light_views && !partition.body.is_empty() {
                 let corners = light_view_corners(&partition.light_view);
@@ -101,12 +95,7 @@ fn draw(lights: Query<&SunViews>, mut gizmos: Gizmos<SunShadowGizmos>) {
 }
 
 /// Twelve edges; `order` tells where the corner with the bits x, y, z stands in the array.
-fn draw_box(
-    gizmos: &mut Gizmos<SunShadowGizmos>,
-    corners: [Vec3; 8],
-    order: [usize; 8],
-    color: Color,
-) {
+fn draw_box(gizmos: &mut Gizmos<SunShadowGizmos>, corners: [Vec3; 8], order: [usize; 8], color: Color) {
     for corner in 0..8 {
         for bit in [1, 2, 4] {
             if corner & bit == 0 {

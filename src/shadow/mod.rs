@@ -9,8 +9,7 @@
 //! ```
 
 use bevy::{
-    camera::visibility::VisibilitySystems, light::SimulationLightSystems, prelude::*,
-    transform::TransformSystems,
+    camera::visibility::VisibilitySystems, light::SimulationLightSystems, prelude::*, transform::TransformSystems,
 };
 
 pub mod checked;

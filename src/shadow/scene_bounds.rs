@@ -130,9 +130,7 @@ impl Sums {
 
     /// True when the entry reaches the surface of a sum, so that its leaving may shrink the sum.
     fn depends_on(&self, entry: &Entry) -> bool {
-        let touches = |sum: &Bounds| {
-            entry.bounds.min.cmple(sum.min).any() || entry.bounds.max.cmpge(sum.max).any()
-        };
+        let touches = |sum: &Bounds| entry.bounds.min.cmple(sum.min).any() || entry.bounds.max.cmpge(sum.max).any();
         (entry.casts && touches(&self.casters)) || (entry.receives && touches(&self.receivers))
     }
 }

@@ -35,10 +35,7 @@ pub(super) struct StockMapSize(Option<usize>);
 /// Remembers the settings of lights that have just got [`SunShadows`].
 pub(super) fn remember_stock_settings(
     mut commands: Commands,
-    lights: Query<
-        (Entity, &DirectionalLight, &CascadeShadowConfig),
-        (With<SunShadows>, Without<StockSettings>),
-    >,
+    lights: Query<(Entity, &DirectionalLight, &CascadeShadowConfig), (With<SunShadows>, Without<StockSettings>)>,
 ) {
     for (entity, light, config) in &lights {
         commands.entity(entity).insert(StockSettings {
@@ -53,11 +50,7 @@ pub(super) fn remember_stock_settings(
 pub(super) fn restore_stock_settings(
     removed: On<Remove, SunShadows>,
     mut commands: Commands,
-    mut lights: Query<(
-        &mut DirectionalLight,
-        &mut CascadeShadowConfig,
-        &StockSettings,
-    )>,
+    mut lights: Query<(&mut DirectionalLight, &mut CascadeShadowConfig, &StockSettings)>,
 ) {
     if let Ok((mut light, mut config, stock)) = lights.get_mut(removed.entity) {
         stock.restore(&mut light, &mut config);
@@ -68,11 +61,7 @@ pub(super) fn restore_stock_settings(
 }
 
 /// Sets the biases that a light's path needs: the drop-in path replaces Bevy's, the full path leaves them alone.
-pub(super) fn set_biases(
-    settings: &SunShadows,
-    stock: &StockSettings,
-    light: &mut Mut<DirectionalLight>,
-) {
+pub(super) fn set_biases(settings: &SunShadows, stock: &StockSettings, light: &mut Mut<DirectionalLight>) {
     let (depth_bias, normal_bias) = match settings.path {
         ShadowPath::Full => (stock.depth_bias, stock.normal_bias),
         ShadowPath::DropIn => drop_in::biases(settings.bias),

@@ -23,12 +23,7 @@ use crate::maths::view::ViewVolume;
 /// depths is then the union of what they see.
 pub(super) fn update_sun_views(
     cameras: Query<(Entity, &Camera, &Projection, &GlobalTransform), With<Camera3d>>,
-    mut lights: Query<(
-        &DirectionalLight,
-        &GlobalTransform,
-        &SunShadows,
-        &mut SunViews,
-    )>,
+    mut lights: Query<(&DirectionalLight, &GlobalTransform, &SunShadows, &mut SunViews)>,
     scene: Res<SceneBounds>,
     mut known: Local<Vec<Correction>>,
 ) {
@@ -60,24 +55,18 @@ pub(super) fn update_sun_views(
                 Some((*entity, view, range))
             })
             .collect();
-        let common =
-            seen.iter()
-                .map(|(.., range)| *range)
-                .reduce(|(near, far), (other_near, other_far)| {
-                    (near.min(other_near), far.max(other_far))
-                });
+        let common = seen
+            .iter()
+            .map(|(.., range)| *range)
+            .reduce(|(near, far), (other_near, other_far)| (near.min(other_near), far.max(other_far)));
         let all_orthographic = seen.iter().all(|(_, view, _)| view.is_orthographic());
         for (entity, view, range) in &seen {
             let depths = match (settings.path, common) {
-                (ShadowPath::DropIn, Some(common)) => {
-                    partition_depths(&settings, all_orthographic, common)
-                }
+                (ShadowPath::DropIn, Some(common)) => partition_depths(&settings, all_orthographic, common),
                 _ => partition_depths(&settings, view.is_orthographic(), *range),
             };
             let light_travel = wide(transform.forward());
-            if let Some(camera_views) =
-                compute_camera_views(view, &scene, light_travel, &settings, &depths)
-            {
+            if let Some(camera_views) = compute_camera_views(view, &scene, light_travel, &settings, &depths) {
                 views.cameras.insert(*entity, camera_views);
             }
         }

@@ -20,10 +20,7 @@ fn an_empty_scene_has_no_bounds() {
 #[test]
 fn bounds_follow_things() {
     let mut app = app();
-    let ground = app
-        .world_mut()
-        .spawn(block(Vec3::ZERO, Vec3::new(5.0, 0.0, 5.0)))
-        .id();
+    let ground = app.world_mut().spawn(block(Vec3::ZERO, Vec3::new(5.0, 0.0, 5.0))).id();
     let bird = app.world_mut().spawn(block(Vec3::Y * 3.0, Vec3::ONE)).id();
     app.update();
     assert_bounds(
@@ -60,9 +57,7 @@ fn bounds_follow_things() {
         Vec3::new(5.0, 0.0, 5.0),
     );
 
-    app.world_mut()
-        .entity_mut(bird)
-        .insert(Visibility::Inherited);
+    app.world_mut().entity_mut(bird).insert(Visibility::Inherited);
     app.update();
     assert_bounds(
         scene_bounds(&app).scene,
@@ -90,8 +85,7 @@ fn children_move_with_their_parents() {
         .world_mut()
         .spawn((Transform::default(), Visibility::default()))
         .id();
-    app.world_mut()
-        .spawn((block(Vec3::X, Vec3::ONE), ChildOf(parent)));
+    app.world_mut().spawn((block(Vec3::X, Vec3::ONE), ChildOf(parent)));
     app.update();
     assert_bounds(
         scene_bounds(&app).scene,
@@ -113,8 +107,7 @@ fn children_move_with_their_parents() {
 #[test]
 fn casters_and_receivers_are_told_apart() {
     let mut app = app();
-    app.world_mut()
-        .spawn((block(Vec3::ZERO, Vec3::ONE), NotShadowCaster));
+    app.world_mut().spawn((block(Vec3::ZERO, Vec3::ONE), NotShadowCaster));
     let lamp = app
         .world_mut()
         .spawn((block(Vec3::Y * 10.0, Vec3::ONE), NotShadowReceiver))
@@ -122,22 +115,12 @@ fn casters_and_receivers_are_told_apart() {
     app.update();
     let bounds = scene_bounds(&app);
     assert_bounds(bounds.receivers, Vec3::NEG_ONE, Vec3::ONE);
-    assert_bounds(
-        bounds.casters,
-        Vec3::new(-1.0, 9.0, -1.0),
-        Vec3::new(1.0, 11.0, 1.0),
-    );
+    assert_bounds(bounds.casters, Vec3::new(-1.0, 9.0, -1.0), Vec3::new(1.0, 11.0, 1.0));
     assert_bounds(bounds.scene, Vec3::NEG_ONE, Vec3::new(1.0, 11.0, 1.0));
 
-    app.world_mut()
-        .entity_mut(lamp)
-        .remove::<NotShadowReceiver>();
+    app.world_mut().entity_mut(lamp).remove::<NotShadowReceiver>();
     app.update();
-    assert_bounds(
-        scene_bounds(&app).receivers,
-        Vec3::NEG_ONE,
-        Vec3::new(1.0, 11.0, 1.0),
-    );
+    assert_bounds(scene_bounds(&app).receivers, Vec3::NEG_ONE, Vec3::new(1.0, 11.0, 1.0));
 
     app.world_mut()
         .entity_mut(lamp)
@@ -160,20 +143,14 @@ fn backdrops_and_boundless_things_do_not_count() {
         Transform::from_xyz(500.0, 0.0, 0.0),
         NoFrustumCulling,
     ));
-    app.world_mut()
-        .spawn(block(Vec3::ZERO, Vec3::splat(f32::INFINITY)));
-    app.world_mut()
-        .spawn(block(Vec3::splat(f32::NAN), Vec3::ONE));
+    app.world_mut().spawn(block(Vec3::ZERO, Vec3::splat(f32::INFINITY)));
+    app.world_mut().spawn(block(Vec3::splat(f32::NAN), Vec3::ONE));
     app.update();
     assert_bounds(scene_bounds(&app).scene, Vec3::NEG_ONE, Vec3::ONE);
 
     app.world_mut().entity_mut(sky).remove::<NotInSceneBounds>();
     app.update();
-    assert_bounds(
-        scene_bounds(&app).scene,
-        Vec3::splat(-1.0e4),
-        Vec3::splat(1.0e4),
-    );
+    assert_bounds(scene_bounds(&app).scene, Vec3::splat(-1.0e4), Vec3::splat(1.0e4));
     app.world_mut().entity_mut(sky).insert(NotInSceneBounds);
     app.update();
     assert_bounds(scene_bounds(&app).scene, Vec3::NEG_ONE, Vec3::ONE);
@@ -187,21 +164,13 @@ fn skinned_meshes_are_padded() {
         .spawn((block(Vec3::ZERO, Vec3::ONE), SkinnedMesh::default()))
         .id();
     app.update();
-    assert_bounds(
-        scene_bounds(&app).scene,
-        Vec3::splat(-2.0),
-        Vec3::splat(2.0),
-    );
+    assert_bounds(scene_bounds(&app).scene, Vec3::splat(-2.0), Vec3::splat(2.0));
     app.world_mut().entity_mut(walker).insert(Aabb {
         center: Vec3::ZERO.into(),
         half_extents: Vec3::splat(2.0).into(),
     });
     app.update();
-    assert_bounds(
-        scene_bounds(&app).scene,
-        Vec3::splat(-4.0),
-        Vec3::splat(4.0),
-    );
+    assert_bounds(scene_bounds(&app).scene, Vec3::splat(-4.0), Vec3::splat(4.0));
 }
 
 #[test]
@@ -210,12 +179,9 @@ fn bounds_that_do_not_change_are_not_marked_as_changed() {
     struct Changes(u32);
     let mut app = app();
     app.init_resource::<Changes>();
-    app.add_systems(
-        Last,
-        |bounds: Res<SceneBounds>, mut changes: ResMut<Changes>| {
-            changes.0 += u32::from(bounds.is_changed());
-        },
-    );
+    app.add_systems(Last, |bounds: Res<SceneBounds>, mut changes: ResMut<Changes>| {
+        changes.0 += u32::from(bounds.is_changed());
+    });
     app.world_mut().spawn(block(Vec3::ZERO, Vec3::splat(5.0)));
     let bird = app.world_mut().spawn(block(Vec3::ZERO, Vec3::ONE)).id();
     app.update();

@@ -68,35 +68,22 @@ fn drop_in_cascades_contain_every_receiver_after_bias() {
                 let vertex = vertex.as_vec3();
                 let eye = app.world().get::<GlobalTransform>(camera).expect("placed");
                 let depth = (vertex - eye.translation()).dot(*eye.forward());
-                let (near, far) = (
-                    partition.light_view.near_depth,
-                    partition.light_view.far_depth,
-                );
+                let (near, far) = (partition.light_view.near_depth, partition.light_view.far_depth);
                 if depth < near + 0.01 || depth > far - 0.01 {
                     continue;
                 }
                 for normal in [Vec3::Y, Vec3::Z, Vec3::X, Vec3::NEG_X] {
                     let ndc = lookup(&app, sun, camera, vertex, normal).expect("in front");
-                    assert!(
-                        ndc.truncate().abs().max_element() < margin,
-                        "{vertex}: {ndc}"
-                    );
+                    assert!(ndc.truncate().abs().max_element() < margin, "{vertex}: {ndc}");
                     assert!(ndc.z > 0.0 && ndc.z <= 1.0, "{vertex}: {ndc}");
                     corners += 1;
                 }
             }
-            for depth in [
-                partition.light_view.near_depth,
-                partition.light_view.far_depth - 1.0e-3,
-            ] {
+            for depth in [partition.light_view.near_depth, partition.light_view.far_depth - 1.0e-3] {
                 let eye = app.world().get::<GlobalTransform>(camera).expect("placed");
                 let ahead = eye.translation() + *eye.forward() * depth;
-                let ndc = lookup(&app, sun, camera, ahead.with_y(ahead.y.max(0.0)), Vec3::Y)
-                    .expect("in front");
-                assert!(
-                    ndc.truncate().abs().max_element() < margin,
-                    "{depth} m ahead: {ndc}"
-                );
+                let ndc = lookup(&app, sun, camera, ahead.with_y(ahead.y.max(0.0)), Vec3::Y).expect("in front");
+                assert!(ndc.truncate().abs().max_element() < margin, "{depth} m ahead: {ndc}");
             }
         }
         assert!(corners > 0, "some corners were tried");
@@ -117,14 +104,8 @@ fn cascades_are_rigid_and_compose() {
                 (rotation * rotation.transpose()).abs_diff_eq(Mat3::IDENTITY, 1.0e-5),
                 "rigid"
             );
-            assert!(
-                (rotation.determinant() - 1.0).abs() < 1.0e-5,
-                "not mirrored"
-            );
-            assert!(
-                cascade.clip_from_cascade.determinant() > 0.0,
-                "not mirrored"
-            );
+            assert!((rotation.determinant() - 1.0).abs() < 1.0e-5, "not mirrored");
+            assert!(cascade.clip_from_cascade.determinant() > 0.0, "not mirrored");
             assert!(cascade.texel_size > 0.0);
             let point = Vec3::new(3.0, 1.0, -15.0);
             let composed = cascade.clip_from_cascade * cascade.world_from_cascade.inverse();
@@ -153,25 +134,14 @@ fn the_full_path_has_a_master_view_and_a_mask_layer() {
         panic!("two cascades");
     };
     assert_eq!(master.clip_from_world, views.master.clip_from_world);
-    assert_eq!(
-        master.clip_from_world.row(3),
-        Vec4::W,
-        "the master view is uniform"
-    );
+    assert_eq!(master.clip_from_world.row(3), Vec4::W, "the master view is uniform");
     assert_eq!(mask.clip_from_world, mask_cascade().clip_from_world);
     assert_eq!(config.bounds[1], MASK_BOUND);
     assert!(config.bounds[0] > views.far_depth && config.bounds[0] < views.far_depth * 1.01);
     assert_eq!(config.overlap_proportion, 0.0);
     // Every caster of every partition is inside the master view.
-    for vertex in views
-        .partitions
-        .iter()
-        .flat_map(|partition| partition.body.vertices())
-    {
-        let ndc = views
-            .master
-            .clip_from_world
-            .project_point3(vertex.as_vec3());
+    for vertex in views.partitions.iter().flat_map(|partition| partition.body.vertices()) {
+        let ndc = views.master.clip_from_world.project_point3(vertex.as_vec3());
         assert!(
             ndc.truncate().abs().max_element() < 1.0 && ndc.z > 0.0 && ndc.z < 1.0,
             "{ndc}"
@@ -225,9 +195,7 @@ fn removal_restores_bevys_shadows() {
         .entity_mut(sun)
         .remove::<SunShadows>()
         .insert((light, config.clone()));
-    app.world_mut()
-        .resource_mut::<DirectionalLightShadowMap>()
-        .size = 1024;
+    app.world_mut().resource_mut::<DirectionalLightShadowMap>().size = 1024;
     app.update();
     let (stock_cascades, _) = cascades(&app, sun);
 
@@ -241,14 +209,7 @@ fn removal_restores_bevys_shadows() {
         app.update();
         app.update();
         let size = app.world().resource::<DirectionalLightShadowMap>().size;
-        assert_eq!(
-            size,
-            if path == ShadowPath::DropIn {
-                4096
-            } else {
-                1024
-            }
-        );
+        assert_eq!(size, if path == ShadowPath::DropIn { 4096 } else { 1024 });
         assert_ne!(cascades(&app, sun).1.bounds, config.bounds);
     }
 
@@ -259,14 +220,8 @@ fn removal_restores_bevys_shadows() {
     assert_eq!(restored.overlap_proportion, config.overlap_proportion);
     assert_eq!(restored.minimum_distance, config.minimum_distance);
     let light = app.world().get::<DirectionalLight>(sun).expect("a light");
-    assert_eq!(
-        (light.shadow_depth_bias, light.shadow_normal_bias),
-        (0.07, 0.9)
-    );
-    assert_eq!(
-        app.world().resource::<DirectionalLightShadowMap>().size,
-        1024
-    );
+    assert_eq!((light.shadow_depth_bias, light.shadow_normal_bias), (0.07, 0.9));
+    assert_eq!(app.world().resource::<DirectionalLightShadowMap>().size, 1024);
     let matrices = |cascades: &bevy::light::Cascades| -> Vec<Mat4> {
         cascades.cascades[&camera]
             .iter()
@@ -274,10 +229,7 @@ fn removal_restores_bevys_shadows() {
             .collect()
     };
     app.update();
-    assert_eq!(
-        matrices(&self::cascades(&app, sun).0),
-        matrices(&stock_cascades)
-    );
+    assert_eq!(matrices(&self::cascades(&app, sun).0), matrices(&stock_cascades));
     assert_eq!(cascades.cascades[&camera].len(), 3);
 }
 
@@ -288,10 +240,7 @@ fn only_the_drop_in_path_touches_bevys_bias() {
     spawn_camera(&mut app);
     let sun = spawn_sun(&mut app, drop_in());
     let mut biases = |bias, path| {
-        let mut settings = app
-            .world_mut()
-            .get_mut::<SunShadows>(sun)
-            .expect("settings");
+        let mut settings = app.world_mut().get_mut::<SunShadows>(sun).expect("settings");
         settings.bias = bias;
         settings.path = path;
         app.update();
@@ -309,8 +258,5 @@ fn only_the_drop_in_path_touches_bevys_bias() {
         DirectionalLight::DEFAULT_SHADOW_DEPTH_BIAS,
         DirectionalLight::DEFAULT_SHADOW_NORMAL_BIAS,
     );
-    assert_eq!(
-        biases(ShadowBias::Footprint { scale: 1.0 }, ShadowPath::Full),
-        stock
-    );
+    assert_eq!(biases(ShadowBias::Footprint { scale: 1.0 }, ShadowPath::Full), stock);
 }

@@ -50,20 +50,15 @@ pub(crate) fn block(place: Vec3, half_size: Vec3) -> impl Bundle {
 
 /// A flat piece of ground of 100 m × 100 m, and a tower on it.
 pub(crate) fn spawn_town(app: &mut App) -> Entity {
+    app.world_mut().spawn(block(Vec3::ZERO, Vec3::new(50.0, 0.0, 50.0)));
     app.world_mut()
-        .spawn(block(Vec3::ZERO, Vec3::new(50.0, 0.0, 50.0)));
-    app.world_mut()
-        .spawn(block(
-            Vec3::new(5.0, 10.0, -20.0),
-            Vec3::new(2.0, 10.0, 2.0),
-        ))
+        .spawn(block(Vec3::new(5.0, 10.0, -20.0), Vec3::new(2.0, 10.0, 2.0)))
         .id()
 }
 
 /// A camera at eye height that looks along −z.
 pub(crate) fn spawn_camera(app: &mut App) -> Entity {
-    let transform =
-        Transform::from_xyz(0.0, 1.7, 10.0).looking_at(Vec3::new(0.0, 1.0, -20.0), Vec3::Y);
+    let transform = Transform::from_xyz(0.0, 1.7, 10.0).looking_at(Vec3::new(0.0, 1.0, -20.0), Vec3::Y);
     app.world_mut().spawn((Camera3d::default(), transform)).id()
 }
 
@@ -82,19 +77,13 @@ pub(crate) fn scene_bounds(app: &App) -> SceneBounds {
 }
 
 pub(crate) fn views(app: &App, sun: Entity, camera: Entity) -> Option<CameraSunViews> {
-    app.world()
-        .get::<SunViews>(sun)?
-        .cameras
-        .get(&camera)
-        .cloned()
+    app.world().get::<SunViews>(sun)?.cameras.get(&camera).cloned()
 }
 
 pub(crate) fn cascades(app: &App, sun: Entity) -> (Cascades, CascadeShadowConfig) {
     let sun = app.world().entity(sun);
     let cascades = sun.get::<Cascades>().expect("a light has cascades");
-    let config = sun
-        .get::<CascadeShadowConfig>()
-        .expect("a light has a configuration");
+    let config = sun.get::<CascadeShadowConfig>().expect("a light has a configuration");
     (cascades.clone(), config.clone())
 }
 

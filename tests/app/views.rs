@@ -22,14 +22,9 @@ fn assert_covered(views: &CameraSunViews, point: Vec3, depth: f32) {
     let partition = views
         .partitions
         .iter()
-        .find(|partition| {
-            (partition.light_view.near_depth..partition.light_view.far_depth).contains(&depth)
-        })
+        .find(|partition| (partition.light_view.near_depth..partition.light_view.far_depth).contains(&depth))
         .unwrap_or_else(|| panic!("no partition for depth {depth}"));
-    for matrix in [
-        partition.light_view.clip_from_world,
-        views.master.clip_from_world,
-    ] {
+    for matrix in [partition.light_view.clip_from_world, views.master.clip_from_world] {
         let clip = matrix * point.extend(1.0);
         let ndc = clip.truncate() / clip.w;
         assert!(clip.w > 0.0, "{point} is behind the projection centre");
@@ -80,8 +75,7 @@ fn light_views_sharpen_the_near_field() {
         let views = views(&app, sun, camera).expect("the camera sees the town");
         let clip_from_world = views.partitions[0].light_view.clip_from_world.as_dmat4();
         let near = bevy::math::DVec3::new(0.0, 0.0, 7.0);
-        let footprint =
-            umbrage::maths::footprint::texel_footprint(&clip_from_world, UVec2::splat(2048), near);
+        let footprint = umbrage::maths::footprint::texel_footprint(&clip_from_world, UVec2::splat(2048), near);
         footprint.expect("in view").lengths().max_element()
     };
     let (uniform, warped) = (texel(Warp::Uniform), texel(Warp::Lispsm));
@@ -116,14 +110,7 @@ fn two_cameras_get_their_own_light_views() {
     let from_above = Transform::from_xyz(0.0, 60.0, 0.0).looking_at(Vec3::ZERO, Vec3::NEG_Z);
     let second = app
         .world_mut()
-        .spawn((
-            Camera3d::default(),
-            Camera {
-                order: 1,
-                ..default()
-            },
-            from_above,
-        ))
+        .spawn((Camera3d::default(), Camera { order: 1, ..default() }, from_above))
         .id();
     let sleeping = app
         .world_mut()
@@ -144,12 +131,8 @@ fn two_cameras_get_their_own_light_views() {
             },
         );
         app.update();
-        let [first, second] =
-            [first, second].map(|camera| views(&app, sun, camera).expect("both see the town"));
-        assert_ne!(
-            first.partitions[3].light_view,
-            second.partitions[3].light_view
-        );
+        let [first, second] = [first, second].map(|camera| views(&app, sun, camera).expect("both see the town"));
+        assert_ne!(first.partitions[3].light_view, second.partitions[3].light_view);
         assert!(
             second.near_depth > 30.0,
             "the scene is far below: {}",
@@ -185,31 +168,16 @@ fn orthographic_cameras_get_uniform_maps() {
     let transform = Transform::from_xyz(0.0, 40.0, 30.0).looking_at(Vec3::ZERO, Vec3::Y);
     let mut projection = Projection::Orthographic(projection);
     bevy::camera::CameraProjection::update(&mut *projection, 300.0, 200.0);
-    let camera = app
-        .world_mut()
-        .spawn((Camera3d::default(), projection, transform))
-        .id();
+    let camera = app.world_mut().spawn((Camera3d::default(), projection, transform)).id();
     let sun = spawn_sun(&mut app, SunShadows::HIGH);
     app.update();
     let views = views(&app, sun, camera).expect("the camera sees the town");
     for partition in &views.partitions {
-        assert_eq!(
-            partition.light_view.clip_from_world.row(3),
-            Vec4::W,
-            "no warp"
-        );
+        assert_eq!(partition.light_view.clip_from_world.row(3), Vec4::W, "no warp");
     }
     let eye = *app.world().get::<GlobalTransform>(camera).expect("placed");
-    for point in [
-        Vec3::ZERO,
-        Vec3::new(14.0, 0.0, 3.0),
-        Vec3::new(-10.0, 0.0, -6.0),
-    ] {
-        assert_covered(
-            &views,
-            point,
-            (point - eye.translation()).dot(*eye.forward()),
-        );
+    for point in [Vec3::ZERO, Vec3::new(14.0, 0.0, 3.0), Vec3::new(-10.0, 0.0, -6.0)] {
+        assert_covered(&views, point, (point - eye.translation()).dot(*eye.forward()));
     }
 }
 
@@ -234,11 +202,7 @@ fn light_along_the_view() {
         let views = views(&app, sun, camera).expect("the camera sees the town");
         let eye = *app.world().get::<GlobalTransform>(camera).expect("placed");
         for point in [Vec3::ZERO, Vec3::new(4.0, 0.0, 3.0)] {
-            assert_covered(
-                &views,
-                point,
-                (point - eye.translation()).dot(*eye.forward()),
-            );
+            assert_covered(&views, point, (point - eye.translation()).dot(*eye.forward()));
         }
     }
 }
@@ -251,13 +215,11 @@ fn nothing_to_shadow_gives_no_light_views() {
     app.update();
     assert_eq!(views(&app, sun, camera), None, "an empty scene");
 
-    app.world_mut()
-        .spawn(block(Vec3::new(0.0, 0.0, 60.0), Vec3::ONE));
+    app.world_mut().spawn(block(Vec3::new(0.0, 0.0, 60.0), Vec3::ONE));
     app.update();
     assert_eq!(views(&app, sun, camera), None, "a scene behind the camera");
 
-    app.world_mut()
-        .spawn(block(Vec3::new(0.0, 0.0, -10.0), Vec3::ONE));
+    app.world_mut().spawn(block(Vec3::new(0.0, 0.0, -10.0), Vec3::ONE));
     app.update();
     assert!(views(&app, sun, camera).is_some(), "something in view");
 
@@ -278,10 +240,7 @@ fn broken_cameras_get_no_light_views() {
         .world_mut()
         .spawn((Camera3d::default(), Transform::from_xyz(f32::NAN, 0.0, 0.0)))
         .id();
-    let closed = PerspectiveProjection {
-        fov: 0.0,
-        ..default()
-    };
+    let closed = PerspectiveProjection { fov: 0.0, ..default() };
     let closed = app
         .world_mut()
         .spawn((Camera3d::default(), Projection::Perspective(closed)))
@@ -299,10 +258,7 @@ fn broken_cameras_get_no_light_views() {
     for camera in [nan, closed, minimized] {
         assert_eq!(views(&app, sun, camera), None);
     }
-    assert!(
-        views(&app, sun, good).is_some(),
-        "the good one is not disturbed"
-    );
+    assert!(views(&app, sun, good).is_some(), "the good one is not disturbed");
 }
 
 #[test]
@@ -330,17 +286,8 @@ fn settings_out_of_range_are_clamped() {
         },
     );
     app.update();
-    assert_eq!(
-        views(&app, sun, camera).expect("views").partitions.len(),
-        16
-    );
-    assert_eq!(
-        views(&app, drop_in, camera)
-            .expect("views")
-            .partitions
-            .len(),
-        4
-    );
+    assert_eq!(views(&app, sun, camera).expect("views").partitions.len(), 16);
+    assert_eq!(views(&app, drop_in, camera).expect("views").partitions.len(), 4);
 }
 
 #[test]
@@ -362,16 +309,9 @@ fn near_and_distance_limit_the_range() {
         limited.near_depth >= 5.0 && limited.far_depth <= 20.0 + 1.0e-4,
         "{limited:?}"
     );
-    app.world_mut()
-        .get_mut::<SunShadows>(sun)
-        .expect("settings")
-        .near = Some(30.0);
+    app.world_mut().get_mut::<SunShadows>(sun).expect("settings").near = Some(30.0);
     app.update();
-    assert_eq!(
-        views(&app, sun, camera),
-        None,
-        "an empty range has no shadows"
-    );
+    assert_eq!(views(&app, sun, camera), None, "an empty range has no shadows");
 }
 
 #[test]

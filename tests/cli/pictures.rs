@@ -209,7 +209,11 @@ fn nodes_that_share_a_mesh_stay_instances() {
 fn hundreds_of_instances_are_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     glb::write(&folder.path().join("field.glb"), &field());
-    fs::write(folder.path().join("shots.json"), SHOTS.replace("[3.5,3.5,5]", "[0,20,40]")).expect("written");
+    fs::write(
+        folder.path().join("shots.json"),
+        SHOTS.replace("[3.5,3.5,5]", "[0,20,40]"),
+    )
+    .expect("written");
     shoot(
         folder.path(),
         "shoot field.glb --shots shots.json --technique bevy --passes mask --size 160x90",

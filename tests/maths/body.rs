@@ -49,10 +49,7 @@ fn both_ways_to_the_intersection_body_agree() {
         close(body.volume(), reference.volume(), 1.0e-6);
         for (inner, outer) in [(&body, &reference), (&reference, &body)] {
             for vertex in inner.vertices() {
-                assert!(
-                    outer.contains(*vertex, 1.0e-5),
-                    "{vertex} sticks out for light {light}"
-                );
+                assert!(outer.contains(*vertex, 1.0e-5), "{vertex} sticks out for light {light}");
             }
         }
     }
@@ -69,16 +66,8 @@ fn umbrage_scene_planes(scene: &Bounds) -> Vec<umbrage::maths::polytope::HalfSpa
 #[test]
 fn a_box_corner_inside_the_prism_belongs_to_the_body() {
     let scene = Bounds::new(DVec3::ZERO, DVec3::splat(10.0));
-    let view = ViewVolume::perspective(
-        DVec3::new(5.0, 1.0, 9.9),
-        DVec3::NEG_Z,
-        DVec3::Y,
-        1.5,
-        1.0,
-        0.1,
-        100.0,
-    )
-    .unwrap();
+    let view =
+        ViewVolume::perspective(DVec3::new(5.0, 1.0, 9.9), DVec3::NEG_Z, DVec3::Y, 1.5, 1.0, 0.1, 100.0).unwrap();
     let light = -DVec3::new(1.0, 1.0, 0.2);
     let (_, body) = bodies(&view, &scene, light);
     let corner = DVec3::new(10.0, 10.0, 5.0);
@@ -137,15 +126,9 @@ fn looking_away_sees_nothing() {
 #[test]
 fn inputs_without_an_answer_are_named() {
     let view = papers_camera(0.1, 1000.0);
-    assert_eq!(
-        light_visible(&view, &Bounds::EMPTY).state(),
-        PolytopeState::Empty
-    );
+    assert_eq!(light_visible(&view, &Bounds::EMPTY).state(), PolytopeState::Empty);
     let enormous = Bounds::new(DVec3::splat(-1.0e30), DVec3::splat(1.0e30));
-    assert_eq!(
-        light_visible(&view, &enormous).state(),
-        PolytopeState::Enormous
-    );
+    assert_eq!(light_visible(&view, &enormous).state(), PolytopeState::Enormous);
     let nan = Bounds::new(DVec3::NAN, DVec3::ONE);
     assert_eq!(light_visible(&view, &nan).state(), PolytopeState::NotFinite);
     let visible = light_visible(&view, &huge_scene());
@@ -155,22 +138,11 @@ fn inputs_without_an_answer_are_named() {
 
 #[test]
 fn cameras_without_a_volume_are_named() {
-    let camera = |eye, forward, fov, near, far| {
-        ViewVolume::perspective(eye, forward, DVec3::Y, fov, 1.0, near, far)
-    };
+    let camera = |eye, forward, fov, near, far| ViewVolume::perspective(eye, forward, DVec3::Y, fov, 1.0, near, far);
     let (zero, ahead) = (DVec3::ZERO, DVec3::NEG_Z);
-    assert_eq!(
-        camera(DVec3::NAN, ahead, 1.0, 0.1, 10.0),
-        Err(ViewError::NotFinite)
-    );
-    assert_eq!(
-        camera(zero, zero, 1.0, 0.1, 10.0),
-        Err(ViewError::NotFinite)
-    );
-    assert_eq!(
-        camera(zero, ahead, f64::NAN, 0.1, 10.0),
-        Err(ViewError::NotFinite)
-    );
+    assert_eq!(camera(DVec3::NAN, ahead, 1.0, 0.1, 10.0), Err(ViewError::NotFinite));
+    assert_eq!(camera(zero, zero, 1.0, 0.1, 10.0), Err(ViewError::NotFinite));
+    assert_eq!(camera(zero, ahead, f64::NAN, 0.1, 10.0), Err(ViewError::NotFinite));
     assert_eq!(camera(zero, ahead, 1.0, 10.0, 0.1), Err(ViewError::NoRange));
     assert_eq!(camera(zero, ahead, 1.0, 0.0, 10.0), Err(ViewError::NoRange));
     assert_eq!(camera(zero, ahead, 0.0, 0.1, 10.0), Err(ViewError::NoArea));
@@ -195,10 +167,7 @@ fn an_orthographic_camera_sees_a_box() {
     )
     .expect("a proper camera");
     assert!(view.is_orthographic());
-    let scene = Bounds::new(
-        DVec3::new(-100.0, 0.0, -100.0),
-        DVec3::new(100.0, 20.0, 100.0),
-    );
+    let scene = Bounds::new(DVec3::new(-100.0, 0.0, -100.0), DVec3::new(100.0, 20.0, 100.0));
     let (visible, body) = bodies(&view, &scene, DVec3::NEG_Y);
     close(visible.volume(), 6.0 * 4.0 * 20.0, 1.0e-9);
     close(body.volume(), visible.volume(), 1.0e-9);

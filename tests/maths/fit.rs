@@ -63,12 +63,7 @@ fn the_published_matrix() {
 /// Conventions of the one light space: right-handed, z to the light, y along the view.
 #[test]
 fn the_axes_of_light_space() {
-    let axes = LightAxes::new(
-        DVec3::new(0.3, -0.2, -1.0),
-        DVec3::Y,
-        DVec3::new(0.5, -2.0, 0.1),
-    )
-    .expect("a light");
+    let axes = LightAxes::new(DVec3::new(0.3, -0.2, -1.0), DVec3::Y, DVec3::new(0.5, -2.0, 0.1)).expect("a light");
     assert!(
         (axes.x.cross(axes.y) - axes.z).length() < 1.0e-12,
         "right-handed: {axes:?}"
@@ -77,10 +72,7 @@ fn the_axes_of_light_space() {
         (axes.z - -DVec3::new(0.5, -2.0, 0.1).normalize()).length() < 1.0e-12,
         "z points to the light"
     );
-    assert!(
-        axes.y.dot(DVec3::new(0.3, -0.2, -1.0)) > 0.0,
-        "y follows the view"
-    );
+    assert!(axes.y.dot(DVec3::new(0.3, -0.2, -1.0)) > 0.0, "y follows the view");
     assert!(
         axes.x.dot(DVec3::new(0.3, -0.2, -1.0)).abs() < 1.0e-12,
         "x is across the view"
@@ -101,13 +93,9 @@ fn the_axes_for_light_along_the_view() {
     // Sweeping the light through the view direction from above turns the axis in no jump.
     let axis = |step: i32| {
         let angle = f64::from(step) * 1.0e-5;
-        LightAxes::new(
-            DVec3::NEG_Z,
-            DVec3::Y,
-            DVec3::new(0.3 * angle, -angle, -1.0),
-        )
-        .expect("a light")
-        .y
+        LightAxes::new(DVec3::NEG_Z, DVec3::Y, DVec3::new(0.3 * angle, -angle, -1.0))
+            .expect("a light")
+            .y
     };
     for step in 0..5000 {
         assert!(axis(step).distance(axis(step + 1)) < 0.05, "step {step}");
@@ -127,11 +115,7 @@ fn the_focus_is_tight() {
         let light = light_at(70.0) + DVec3::X * 0.3;
         let (_, body) = bodies(&view, &scene, light);
         let fit = fit(&view, &scene, light, warp);
-        let points: Vec<DVec3> = body
-            .vertices()
-            .iter()
-            .map(|vertex| ndc(&fit, *vertex))
-            .collect();
+        let points: Vec<DVec3> = body.vertices().iter().map(|vertex| ndc(&fit, *vertex)).collect();
         let bounds = Bounds::from_points(points);
         assert!(
             (bounds.min.truncate() - -DVec2::ONE).length() < 1.0e-6,
@@ -141,29 +125,15 @@ fn the_focus_is_tight() {
             (bounds.max.truncate() - DVec2::ONE).length() < 1.0e-6,
             "{warp:?}: {bounds:?}"
         );
-        assert!(
-            bounds.min.z > 0.0 && bounds.min.z < 0.05,
-            "{warp:?}: {bounds:?}"
-        );
-        assert!(
-            bounds.max.z < 1.0 && bounds.max.z > 0.95,
-            "{warp:?}: {bounds:?}"
-        );
+        assert!(bounds.min.z > 0.0 && bounds.min.z < 0.05, "{warp:?}: {bounds:?}");
+        assert!(bounds.max.z < 1.0 && bounds.max.z > 0.95, "{warp:?}: {bounds:?}");
     }
 }
 
 /// Focusing on the scene: with the far plane drawn in from 1500 m to 500 m the footprint shrinks to a third.
 #[test]
 fn a_third_of_the_range_gives_a_third_of_the_texel() {
-    let size = |far| {
-        fit(
-            &papers_camera(1.0, far),
-            &huge_scene(),
-            DVec3::NEG_Y,
-            Warp::Uniform,
-        )
-        .texel_size
-    };
+    let size = |far| fit(&papers_camera(1.0, far), &huge_scene(), DVec3::NEG_Y, Warp::Uniform).texel_size;
     close(
         size(500.0) / size(1500.0),
         ((499.0 * 500.0) / (1499.0 * 1500.0_f64)).sqrt(),
@@ -221,8 +191,7 @@ fn the_warp_can_be_limited() {
         .fitted()
         .expect("a proper camera")
     };
-    let width =
-        |fit: &LightFit, depth: f64| (fit.clip_from_world * (DVec3::NEG_Z * depth).extend(1.0)).w;
+    let width = |fit: &LightFit, depth: f64| (fit.clip_from_world * (DVec3::NEG_Z * depth).extend(1.0)).w;
     let limited = fit(2.5);
     close(width(&limited, 60.0) / width(&limited, 1.0), 2.5, 1.0e-9);
     assert!(limited.eta > -1.0 && limited.eta < 0.0, "{}", limited.eta);
@@ -254,19 +223,9 @@ fn moved_receivers_stay_inside() {
     .fitted()
     .expect("a proper camera");
     for vertex in visible.vertices() {
-        for offset in [
-            DVec3::X,
-            DVec3::Y,
-            DVec3::Z,
-            DVec3::NEG_X,
-            DVec3::NEG_Y,
-            DVec3::NEG_Z,
-        ] {
+        for offset in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
             let ndc = ndc(&fit, *vertex + offset * 0.7);
-            assert!(
-                ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0 && ndc.z > 0.0,
-                "{ndc}"
-            );
+            assert!(ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0 && ndc.z > 0.0, "{ndc}");
         }
     }
 }
@@ -276,12 +235,7 @@ fn moved_receivers_stay_inside() {
 fn the_projection_center_is_symmetric() {
     let view = papers_camera(1.0, 400.0);
     for (near, far) in [(1.0, 5.0), (5.0, 40.0), (40.0, 400.0)] {
-        let fit = fit(
-            &view.split(near, far),
-            &huge_scene(),
-            DVec3::NEG_Y,
-            Warp::Lispsm,
-        );
+        let fit = fit(&view.split(near, far), &huge_scene(), DVec3::NEG_Y, Warp::Lispsm);
         let [bottom_left, bottom_right, ..] = view.corners(near, far);
         close(ndc(&fit, bottom_right).x, -ndc(&fit, bottom_left).x, 1.0e-6);
         assert!(
@@ -297,46 +251,22 @@ fn light_views_move_steadily() {
     let scene = Bounds::new(DVec3::new(-80.0, 0.0, -80.0), DVec3::new(80.0, 20.0, 80.0));
     let at = |yaw: f64| {
         let forward = DVec3::new(yaw.sin(), -0.1, -yaw.cos());
-        let view = ViewVolume::perspective(
-            DVec3::new(0.0, 1.7, 0.0),
-            forward,
-            DVec3::Y,
-            1.0,
-            1.5,
-            0.1,
-            1000.0,
-        );
-        fit(
-            &view.unwrap(),
-            &scene,
-            DVec3::new(0.6, -1.0, 0.2),
-            Warp::Lispsm,
-        )
+        let view = ViewVolume::perspective(DVec3::new(0.0, 1.7, 0.0), forward, DVec3::Y, 1.0, 1.5, 0.1, 1000.0);
+        fit(&view.unwrap(), &scene, DVec3::new(0.6, -1.0, 0.2), Warp::Lispsm)
     };
     let point = DVec3::new(0.0, 0.5, -8.0);
     for step in 0..400 {
         let yaw = f64::from(step) * 0.001;
         let (before, after) = (at(yaw), at(yaw + 0.001));
-        assert!(
-            ndc(&before, point).distance(ndc(&after, point)) < 0.02,
-            "yaw {yaw}"
-        );
-        assert!(
-            (after.warp_near / before.warp_near - 1.0).abs() < 0.05,
-            "yaw {yaw}"
-        );
+        assert!(ndc(&before, point).distance(ndc(&after, point)) < 0.02, "yaw {yaw}");
+        assert!((after.warp_near / before.warp_near - 1.0).abs() < 0.05, "yaw {yaw}");
     }
 }
 
 #[test]
 fn world_distance_along_the_light_converts_to_depth() {
     let light = DVec3::new(0.4, -1.0, 0.3);
-    let fit = fit(
-        &papers_camera(1.0, 100.0),
-        &huge_scene(),
-        light,
-        Warp::Lispsm,
-    );
+    let fit = fit(&papers_camera(1.0, 100.0), &huge_scene(), light, Warp::Lispsm);
     for point in [DVec3::new(0.0, -1.0, -2.0), DVec3::new(5.0, 3.0, -60.0)] {
         let moved = point - light.normalize() * 0.25;
         let change = ndc(&fit, moved).z - ndc(&fit, point).z;
@@ -357,10 +287,7 @@ fn matrices_compose() {
     let point = DVec3::new(3.0, -2.0, -30.0).extend(1.0);
     assert!((composed * point).distance(fit.clip_from_world * point) < 1.0e-9);
     close(fit.world_from_light.determinant(), 1.0, 1.0e-12);
-    assert_eq!(
-        fit.clip_from_world_f32().w_axis.w,
-        fit.clip_from_world.w_axis.w as f32
-    );
+    assert_eq!(fit.clip_from_world_f32().w_axis.w, fit.clip_from_world.w_axis.w as f32);
     assert_eq!(fit.world_from_light_f32().row(3), bevy_math::Vec4::W);
     assert_eq!(fit.clip_from_light_f32().x_axis.w, 0.0);
 }
@@ -384,15 +311,8 @@ fn orthographic_cameras_are_not_warped() {
 #[test]
 fn flat_scenes_are_padded() {
     let ground = Bounds::new(DVec3::new(-50.0, 0.0, -50.0), DVec3::new(50.0, 0.0, 50.0));
-    let view =
-        ViewVolume::perspective(DVec3::Y * 2.0, DVec3::NEG_Z, DVec3::Y, 1.0, 1.0, 0.1, 500.0)
-            .unwrap();
-    for light in [
-        DVec3::NEG_Y,
-        DVec3::X,
-        DVec3::NEG_Z,
-        DVec3::new(1.0, -0.001, 0.0),
-    ] {
+    let view = ViewVolume::perspective(DVec3::Y * 2.0, DVec3::NEG_Z, DVec3::Y, 1.0, 1.0, 0.1, 500.0).unwrap();
+    for light in [DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z, DVec3::new(1.0, -0.001, 0.0)] {
         let fit = fit(&view, &ground, light, Warp::Lispsm);
         for point in [DVec3::new(0.0, 0.0, -10.0), DVec3::new(3.0, 0.0, -45.0)] {
             let ndc = ndc(&fit, point);
@@ -425,30 +345,15 @@ fn inputs_without_an_answer_are_named() {
         })
     };
     let down = DVec3::NEG_Y;
-    assert_eq!(
-        outcome(&empty, &body, down),
-        Fit::Degenerate(Unfit::NothingVisible)
-    );
-    assert_eq!(
-        outcome(&visible, &empty, down),
-        Fit::Degenerate(Unfit::NothingVisible)
-    );
-    assert_eq!(
-        outcome(&nan, &body, down),
-        Fit::Degenerate(Unfit::NotFinite)
-    );
-    assert_eq!(
-        outcome(&visible, &enormous, down),
-        Fit::Degenerate(Unfit::Enormous)
-    );
+    assert_eq!(outcome(&empty, &body, down), Fit::Degenerate(Unfit::NothingVisible));
+    assert_eq!(outcome(&visible, &empty, down), Fit::Degenerate(Unfit::NothingVisible));
+    assert_eq!(outcome(&nan, &body, down), Fit::Degenerate(Unfit::NotFinite));
+    assert_eq!(outcome(&visible, &enormous, down), Fit::Degenerate(Unfit::Enormous));
     assert_eq!(
         outcome(&visible, &body, DVec3::ZERO),
         Fit::Degenerate(Unfit::NoLightDirection)
     );
-    assert_eq!(
-        outcome(&visible, &body, DVec3::NAN),
-        Fit::Degenerate(Unfit::NotFinite)
-    );
+    assert_eq!(outcome(&visible, &body, DVec3::NAN), Fit::Degenerate(Unfit::NotFinite));
     assert!(
         outcome(&visible, &body, down).fitted().is_some(),
         "a map of no texels is treated as one texel"

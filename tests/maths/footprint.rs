@@ -30,11 +30,7 @@ fn the_pipeline_has_the_published_errors() {
                 .expect("in front")
                 .lengths();
             let pixel = OPENING * depth / 1024.0;
-            close(
-                lengths.x / pixel,
-                error_across(depth, fit.warp_near, near, far),
-                1.0e-6,
-            );
+            close(lengths.x / pixel, error_across(depth, fit.warp_near, near, far), 1.0e-6);
             close(
                 lengths.y / pixel,
                 error_along(depth, fit.warp_near, near, far, OPENING),
@@ -44,8 +40,7 @@ fn the_pipeline_has_the_published_errors() {
     }
     let fit = fit(&view, &huge_scene(), DVec3::NEG_Y, Warp::Lispsm);
     for (depth, across, along) in [(2.0, 3.5940, 3.4490), (20.0, 1.1365, 3.4490)] {
-        let footprint =
-            texel_footprint(&fit.clip_from_world, SIZE, DVec3::NEG_Z * depth).expect("in front");
+        let footprint = texel_footprint(&fit.clip_from_world, SIZE, DVec3::NEG_Z * depth).expect("in front");
         let errors = footprint.lengths() / (OPENING * depth / 1024.0);
         close(errors.x, across, 1.0e-4);
         close(errors.y, along, 1.0e-4);
@@ -55,12 +50,7 @@ fn the_pipeline_has_the_published_errors() {
 #[test]
 fn footprints_step_by_one_texel_in_the_light_plane() {
     let light = DVec3::new(0.5, -1.0, 0.2);
-    let fit = fit(
-        &papers_camera(1.0, 100.0),
-        &huge_scene(),
-        light,
-        Warp::Lispsm,
-    );
+    let fit = fit(&papers_camera(1.0, 100.0), &huge_scene(), light, Warp::Lispsm);
     let point = DVec3::new(4.0, -3.0, -30.0);
     let footprint = texel_footprint(&fit.clip_from_world, SIZE, point).expect("in front");
     close(footprint.ray.dot(light.normalize()).abs(), 1.0, 1.0e-9);
@@ -81,35 +71,21 @@ fn footprints_step_by_one_texel_in_the_light_plane() {
 fn the_mean_texel_size_is_the_footprint_in_the_middle() {
     let view = papers_camera(1.0, 100.0);
     let fit = fit(&view, &huge_scene(), DVec3::NEG_Y, Warp::Uniform);
-    let footprint =
-        texel_footprint(&fit.clip_from_world, SIZE, DVec3::NEG_Z * 50.0).expect("in front");
+    let footprint = texel_footprint(&fit.clip_from_world, SIZE, DVec3::NEG_Z * 50.0).expect("in front");
     close(fit.texel_size, footprint.area().sqrt(), 1.0e-6);
-    close(
-        fit.largest_texel_size,
-        footprint.lengths().max_element(),
-        1.0e-6,
-    );
+    close(fit.largest_texel_size, footprint.lengths().max_element(), 1.0e-6);
 }
 
 /// Lloyd, equation 1: the error on a surface is perspective times projection.
 #[test]
 fn errors_on_surfaces_factor() {
     let view = papers_camera(1.0, 100.0);
-    let light = fit(
-        &view,
-        &huge_scene(),
-        DVec3::new(0.3, -1.0, 0.4),
-        Warp::Lispsm,
-    );
+    let light = fit(&view, &huge_scene(), DVec3::new(0.3, -1.0, 0.4), Warp::Lispsm);
     let camera = DMat4::perspective_rh(60.0_f64.to_radians(), 1.0, 1.0, 100.0);
     let point = DVec3::new(2.0, -1.5, -12.0);
     let texel = texel_footprint(&light.clip_from_world, SIZE, point).expect("in front");
     let pixel = texel_footprint(&camera, SIZE, point).expect("in front");
-    for normal in [
-        DVec3::Y,
-        DVec3::new(0.2, 0.9, -0.3),
-        DVec3::new(1.0, 1.0, 1.0),
-    ] {
+    for normal in [DVec3::Y, DVec3::new(0.2, 0.9, -0.3), DVec3::new(1.0, 1.0, 1.0)] {
         let error = texels_on_pixels(&texel, &pixel, normal).expect("not edge-on");
         close(error.area, error.perspective * error.projection, 1.0e-9);
         assert!(
@@ -133,11 +109,7 @@ fn a_surface_halfway_between_light_and_viewer_has_no_projection_error() {
     let pixel = texel_footprint(&camera, SIZE, point).expect("in front");
     let error = texels_on_pixels(&texel, &pixel, DVec3::new(0.0, 1.0, 1.0)).expect("not edge-on");
     close(error.projection, 1.0, 1.0e-9);
-    close(
-        error.across,
-        error_across(10.0, f64::INFINITY, 1.0, 100.0),
-        1.0e-6,
-    );
+    close(error.across, error_across(10.0, f64::INFINITY, 1.0, 100.0), 1.0e-6);
     close(
         error.along,
         error_along(10.0, f64::INFINITY, 1.0, 100.0, OPENING),
@@ -147,23 +119,9 @@ fn a_surface_halfway_between_light_and_viewer_has_no_projection_error() {
 
 #[test]
 fn points_without_a_footprint() {
-    let light = fit(
-        &papers_camera(1.0, 100.0),
-        &huge_scene(),
-        DVec3::NEG_Y,
-        Warp::Lispsm,
-    );
-    assert_eq!(
-        texel_footprint(&light.clip_from_world, SIZE, DVec3::Z * 50.0),
-        None
-    );
-    assert_eq!(
-        texel_footprint(&light.clip_from_world, SIZE, DVec3::NAN),
-        None
-    );
+    let light = fit(&papers_camera(1.0, 100.0), &huge_scene(), DVec3::NEG_Y, Warp::Lispsm);
+    assert_eq!(texel_footprint(&light.clip_from_world, SIZE, DVec3::Z * 50.0), None);
+    assert_eq!(texel_footprint(&light.clip_from_world, SIZE, DVec3::NAN), None);
     assert_eq!(texel_footprint(&DMat4::ZERO, SIZE, DVec3::ZERO), None);
-    assert_eq!(
-        texel_footprint(&DMat4::IDENTITY, UVec2::ZERO, DVec3::ZERO),
-        None
-    );
+    assert_eq!(texel_footprint(&DMat4::IDENTITY, UVec2::ZERO, DVec3::ZERO), None);
 }

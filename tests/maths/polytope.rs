@@ -12,11 +12,7 @@ fn unit_cube() -> Polytope {
 /// Euler's formula for closed convex surfaces.
 #[track_caller]
 pub(crate) fn assert_closed(body: &Polytope) {
-    let (vertices, edges, faces) = (
-        body.vertices().len(),
-        body.edges().len(),
-        body.faces().len(),
-    );
+    let (vertices, edges, faces) = (body.vertices().len(), body.edges().len(), body.faces().len());
     assert_eq!(
         vertices + faces,
         edges + 2,
@@ -29,11 +25,7 @@ fn a_box_is_a_box() {
     let cube = unit_cube();
     assert_eq!(cube.state(), PolytopeState::Solid);
     assert_eq!(
-        (
-            cube.vertices().len(),
-            cube.edges().len(),
-            cube.faces().len()
-        ),
+        (cube.vertices().len(), cube.edges().len(), cube.faces().len()),
         (8, 12, 6)
     );
     close(cube.volume(), 1.0, 1.0e-12);
@@ -73,11 +65,7 @@ fn a_mirrored_frustum_is_turned_outside_out() {
     corners.swap(2, 3);
     corners.swap(4, 5);
     corners.swap(6, 7);
-    close(
-        Polytope::from_frustum_corners(&corners).volume(),
-        upright,
-        1.0e-12,
-    );
+    close(Polytope::from_frustum_corners(&corners).volume(), upright, 1.0e-12);
 }
 
 #[test]
@@ -117,10 +105,7 @@ fn clipping_beside_touching_and_beyond() {
     let beyond = HalfSpace::through(DVec3::X * 2.0, DVec3::NEG_X);
     assert_eq!(cube.clone().clip(&beside), cube);
     assert_eq!(cube.clone().clip(&touching), cube);
-    assert_eq!(
-        cube.clone().clip(&touching_outside).state(),
-        PolytopeState::Empty
-    );
+    assert_eq!(cube.clone().clip(&touching_outside).state(), PolytopeState::Empty);
     assert_eq!(cube.clone().clip(&beyond).state(), PolytopeState::Empty);
 }
 
@@ -138,14 +123,8 @@ fn flat_boxes_are_flat_and_can_be_clipped() {
 #[test]
 fn inputs_without_an_answer_are_named() {
     let states = [
-        (
-            Polytope::from_box(DVec3::ONE, DVec3::ZERO),
-            PolytopeState::Empty,
-        ),
-        (
-            Polytope::from_box(DVec3::NAN, DVec3::ONE),
-            PolytopeState::NotFinite,
-        ),
+        (Polytope::from_box(DVec3::ONE, DVec3::ZERO), PolytopeState::Empty),
+        (Polytope::from_box(DVec3::NAN, DVec3::ONE), PolytopeState::NotFinite),
         (
             Polytope::from_box(DVec3::ZERO, DVec3::splat(1.0e13)),
             PolytopeState::Enormous,
@@ -158,10 +137,7 @@ fn inputs_without_an_answer_are_named() {
             Polytope::from_frustum_corners(&[DVec3::NAN; 8]),
             PolytopeState::NotFinite,
         ),
-        (
-            Polytope::from_frustum_corners(&[DVec3::ONE; 8]),
-            PolytopeState::Empty,
-        ),
+        (Polytope::from_frustum_corners(&[DVec3::ONE; 8]), PolytopeState::Empty),
         (Polytope::hull(&[]), PolytopeState::Empty),
         (
             Polytope::hull(&[DVec3::ZERO, DVec3::X, DVec3::X * 2.0]),
@@ -179,20 +155,13 @@ fn inputs_without_an_answer_are_named() {
             unit_cube().clip(&HalfSpace::through(DVec3::ZERO, DVec3::NAN)),
             PolytopeState::NotFinite,
         ),
-        (
-            unit_cube().sweep(DVec3::Y, f64::NAN),
-            PolytopeState::NotFinite,
-        ),
+        (unit_cube().sweep(DVec3::Y, f64::NAN), PolytopeState::NotFinite),
         (unit_cube().sweep(DVec3::Y, 1.0e13), PolytopeState::Enormous),
         (Polytope::default(), PolytopeState::Empty),
     ];
     for (index, (body, state)) in states.iter().enumerate() {
         assert_eq!(body.state(), *state, "case {index}");
-        assert_eq!(
-            body.is_empty(),
-            *state != PolytopeState::Flat,
-            "case {index}"
-        );
+        assert_eq!(body.is_empty(), *state != PolytopeState::Flat, "case {index}");
     }
 }
 
@@ -217,11 +186,7 @@ fn hulls_merge_coplanar_points() {
     ]);
     let hull = Polytope::hull(&points);
     assert_eq!(
-        (
-            hull.vertices().len(),
-            hull.edges().len(),
-            hull.faces().len()
-        ),
+        (hull.vertices().len(), hull.edges().len(), hull.faces().len()),
         (8, 12, 6)
     );
     close(hull.volume(), 1.0, 1.0e-9);

@@ -34,28 +34,19 @@ fn scene() -> impl Strategy<Value = Bounds> {
 /// A scene and a camera near it that mostly looks at it.
 fn seen() -> impl Strategy<Value = (Bounds, ViewVolume)> {
     let look = ([0.0..1.0, 0.0..1.0, 0.0..1.0], any::<bool>());
-    (
-        scene(),
-        point(60.0),
-        look,
-        0.2..2.4,
-        0.3..3.0,
-        0.05..2.0,
-        5.0..2000.0,
+    (scene(), point(60.0), look, 0.2..2.4, 0.3..3.0, 0.05..2.0, 5.0..2000.0).prop_filter_map(
+        "no camera",
+        |(scene, eye, (target, orthographic), fov, aspect, near, far)| {
+            let forward = scene.min + scene.size() * DVec3::from_array(target) - eye;
+            let view = if orthographic {
+                let half: DVec2 = DVec2::new(aspect, 1.0) * (20.0 * fov);
+                ViewVolume::orthographic(eye, forward, DVec3::Y, -half, half, near, far)
+            } else {
+                ViewVolume::perspective(eye, forward, DVec3::Y, fov, aspect, near, far)
+            };
+            view.ok().map(|view| (scene, view))
+        },
     )
-        .prop_filter_map(
-            "no camera",
-            |(scene, eye, (target, orthographic), fov, aspect, near, far)| {
-                let forward = scene.min + scene.size() * DVec3::from_array(target) - eye;
-                let view = if orthographic {
-                    let half: DVec2 = DVec2::new(aspect, 1.0) * (20.0 * fov);
-                    ViewVolume::orthographic(eye, forward, DVec3::Y, -half, half, near, far)
-                } else {
-                    ViewVolume::perspective(eye, forward, DVec3::Y, fov, aspect, near, far)
-                };
-                view.ok().map(|view| (scene, view))
-            },
-        )
 }
 
 fn warp() -> impl Strategy<Value = Warp> {

@@ -53,24 +53,15 @@ fn the_practical_scheme_spans_uniform_to_logarithmic() {
 fn the_error_of_unwarped_splits_halves_per_doubling() {
     let practical = SplitScheme::Practical { lambda: 0.5 };
     for (count, error) in [(2, 136.43), (4, 65.24), (8, 32.77), (16, 16.83)] {
-        close(
-            split_depths(&practical, 1.0, 500.0, count)[1],
-            error,
-            1.0e-3,
-        );
+        close(split_depths(&practical, 1.0, 500.0, count)[1], error, 1.0e-3);
     }
 }
 
 #[test]
 fn manual_distances_are_clamped_sorted_and_kept_apart() {
-    let manual = |inner: &[f32], count| {
-        split_depths(&SplitScheme::Manual(inner.to_vec()), 1.0, 100.0, count)
-    };
+    let manual = |inner: &[f32], count| split_depths(&SplitScheme::Manual(inner.to_vec()), 1.0, 100.0, count);
     assert_depths(&manual(&[30.0, 10.0], 3), &[1.0, 10.0, 30.0, 100.0]);
-    assert_depths(
-        &manual(&[10.0, 30.0, 50.0, 70.0], 3),
-        &[1.0, 10.0, 30.0, 100.0],
-    );
+    assert_depths(&manual(&[10.0, 30.0, 50.0, 70.0], 3), &[1.0, 10.0, 30.0, 100.0]);
     assert_depths(&manual(&[10.0], 3), &[1.0, 10.0, 55.0, 100.0]);
     assert_depths(&manual(&[], 2), &[1.0, 50.5, 100.0]);
     let clamped = manual(&[-5.0, f32::NAN, 0.5, 200.0, f32::INFINITY], 5);

@@ -39,11 +39,7 @@ pub(crate) fn huge_scene() -> Bounds {
 }
 
 /// H and B of a camera in a scene.
-pub(crate) fn bodies(
-    view: &ViewVolume,
-    scene: &Bounds,
-    light_travel: DVec3,
-) -> (Polytope, Polytope) {
+pub(crate) fn bodies(view: &ViewVolume, scene: &Bounds, light_travel: DVec3) -> (Polytope, Polytope) {
     let visible = light_visible(view, scene);
     let body = intersection_body(&visible, scene, light_travel);
     (visible, body)

@@ -131,16 +131,8 @@ fn the_published_table_of_warps() {
         (2.0, 10.0, 0.0524, 0.2881),
         (1.0, 20.0, 0.05, 1.0),
     ] {
-        close(
-            error_across(depth, warp_near, 1.0, 20.0) / 20.0,
-            across,
-            1.0e-3,
-        );
-        close(
-            error_along(depth, warp_near, 1.0, 20.0, 19.0),
-            along,
-            1.0e-3,
-        );
+        close(error_across(depth, warp_near, 1.0, 20.0) / 20.0, across, 1.0e-3);
+        close(error_along(depth, warp_near, 1.0, 20.0, 19.0), along, 1.0e-3);
     }
 }
 
@@ -199,9 +191,7 @@ fn storage_factors() {
     ] {
         let depths = split_depths(&SplitScheme::Logarithmic, 1.0, 1000.0, count);
         let (samples, span) = frustum_samples(&view.split(depths[0], depths[1]), 90.0);
-        let storage = |warp_near| {
-            count as f64 * largest_errors(&samples, warp_near, OPENING).storage_factor()
-        };
+        let storage = |warp_near| count as f64 * largest_errors(&samples, warp_near, OPENING).storage_factor();
         close(storage(f64::INFINITY), uniform, 1.0e-3);
         close(storage(span.optimal_warp_near()), warped, 1.0e-3);
         close(storage(span.warp_near(1.0)), warped, 1.0e-3);
@@ -216,16 +206,8 @@ fn warped_logarithmic_slices_are_alike() {
         let (near, far) = (range[0], range[1]);
         let optimal = overhead(near, far).optimal_warp_near();
         close(error_across(near, optimal, near, far), 2.1746, 1.0e-4);
-        close(
-            error_along(near, optimal, near, far, OPENING),
-            1.4850,
-            1.0e-4,
-        );
-        close(
-            error_along(far, optimal, near, far, OPENING),
-            1.4850,
-            1.0e-4,
-        );
+        close(error_along(near, optimal, near, far, OPENING), 1.4850, 1.0e-4);
+        close(error_along(far, optimal, near, far, OPENING), 1.4850, 1.0e-4);
     }
 }
 
@@ -261,15 +243,9 @@ fn storage_factors_for_tilted_light() {
             close(storage(f64::INFINITY), uniform, 1.0e-3);
             close(storage(span.optimal_warp_near()), optimal, 1.0e-3);
             let guarded = storage(span.warp_near(guarded_eta(0.0, &samples, &span)));
-            assert!(
-                guarded <= f64::min(optimal, uniform) * 1.021,
-                "{degrees}°: {guarded}"
-            );
+            assert!(guarded <= f64::min(optimal, uniform) * 1.021, "{degrees}°: {guarded}");
             if (65.0..=115.0).contains(&degrees) || (degrees - 90.0).abs() >= 65.0 {
-                assert!(
-                    guarded <= best * 1.021,
-                    "{degrees}°: {guarded} against {best}"
-                );
+                assert!(guarded <= best * 1.021, "{degrees}°: {guarded} against {best}");
             }
         }
     }
@@ -290,9 +266,7 @@ fn the_guard_fades() {
             );
             span.extent / (span.extent + span.warp_near(eta))
         };
-        let squeezes: Vec<f64> = (0..=1800)
-            .map(|step| squeeze(f64::from(step) * 0.05))
-            .collect();
+        let squeezes: Vec<f64> = (0..=1800).map(|step| squeeze(f64::from(step) * 0.05)).collect();
         assert_eq!(squeezes[0], 0.0);
         assert!(squeezes[100] < 0.1, "5°: {}", squeezes[100]);
         for (step, pair) in squeezes.windows(2).enumerate() {
@@ -317,31 +291,17 @@ fn other_targets_are_weakened_in_proportion() {
         Warp::Free { eta: 0.4 },
         Warp::Free { eta: -0.3 },
     ] {
-        close(
-            guarded_eta(warp.eta(), &samples, &span),
-            warp.eta(),
-            1.0e-12,
-        );
+        close(guarded_eta(warp.eta(), &samples, &span), warp.eta(), 1.0e-12);
     }
     let (samples, span) = frustum_samples(&papers_camera(1.0, 1000.0), 20.0);
     let weakened = guarded_eta(0.0, &samples, &span);
-    close(
-        guarded_eta(1.0, &samples, &span) + 1.0,
-        2.0 * (weakened + 1.0),
-        1.0e-12,
-    );
+    close(guarded_eta(1.0, &samples, &span) + 1.0, 2.0 * (weakened + 1.0), 1.0e-12);
 }
 
 #[test]
 fn strengths_out_of_range() {
     assert_eq!(Warp::Free { eta: 7.0 }.eta(), 1.0);
-    assert_eq!(
-        Warp::Free {
-            eta: f32::NEG_INFINITY
-        }
-        .eta(),
-        -1.0
-    );
+    assert_eq!(Warp::Free { eta: f32::NEG_INFINITY }.eta(), -1.0);
     assert_eq!(Warp::Free { eta: f32::NAN }.eta(), -1.0);
     for span in [
         WarpSpan::directional(0.0, 1.0, 1.0),

@@ -43,8 +43,7 @@ impl Harness {
     /// An app with Umbrage and one perspective camera; nothing else.
     pub(crate) fn new(size: UVec2, eye: Transform) -> Self {
         let root = asset_root(Some(Path::new(env!("CARGO_MANIFEST_DIR")))).unwrap_or_else(|error| panic!("{error}"));
-        let mut app = headless::app(&root)
-            .unwrap_or_else(|error| panic!("{error}"));
+        let mut app = headless::app(&root).unwrap_or_else(|error| panic!("{error}"));
         app.add_plugins(UmbragePlugins);
         let target = add_target(&mut app, size);
         let camera = app
@@ -62,11 +61,7 @@ impl Harness {
                 eye,
             ))
             .id();
-        Self {
-            app,
-            camera,
-            target,
-        }
+        Self { app, camera, target }
     }
 
     /// Ends the set-up and draws the warm-up frames.
@@ -98,16 +93,10 @@ impl Harness {
     }
 
     pub(crate) fn mesh(&mut self, mesh: impl Into<Mesh>) -> Handle<Mesh> {
-        self.app
-            .world_mut()
-            .resource_mut::<Assets<Mesh>>()
-            .add(mesh)
+        self.app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
     }
 
-    pub(crate) fn material(
-        &mut self,
-        material: impl Into<StandardMaterial>,
-    ) -> Handle<StandardMaterial> {
+    pub(crate) fn material(&mut self, material: impl Into<StandardMaterial>) -> Handle<StandardMaterial> {
         self.app
             .world_mut()
             .resource_mut::<Assets<StandardMaterial>>()
@@ -117,18 +106,7 @@ impl Harness {
     /// A material with a 16² checkerboard of holes.
     pub(crate) fn holes(&mut self) -> Handle<StandardMaterial> {
         let texels = (0..256_u32)
-            .flat_map(|i| {
-                [
-                    60,
-                    200,
-                    60,
-                    if (i % 16 / 2 + i / 32) % 2 == 0 {
-                        255
-                    } else {
-                        0
-                    },
-                ]
-            })
+            .flat_map(|i| [60, 200, 60, if (i % 16 / 2 + i / 32) % 2 == 0 { 255 } else { 0 }])
             .collect();
         let size = Extent3d {
             width: 16,
@@ -142,11 +120,7 @@ impl Harness {
             TextureFormat::Rgba8UnormSrgb,
             RenderAssetUsages::RENDER_WORLD,
         );
-        let texture = self
-            .app
-            .world_mut()
-            .resource_mut::<Assets<Image>>()
-            .add(image);
+        let texture = self.app.world_mut().resource_mut::<Assets<Image>>().add(image);
         self.material(StandardMaterial {
             base_color_texture: Some(texture),
             alpha_mode: AlphaMode::Mask(0.5),
@@ -157,11 +131,7 @@ impl Harness {
     }
 
     /// Reads a texture that a component of the camera's render entity holds.
-    pub(crate) fn camera_texture<C: Component>(
-        &self,
-        camera: Entity,
-        texture: impl Fn(&C) -> &Texture,
-    ) -> Texels {
+    pub(crate) fn camera_texture<C: Component>(&self, camera: Entity, texture: impl Fn(&C) -> &Texture) -> Texels {
         let render_entity = self
             .app
             .world()

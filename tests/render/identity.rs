@@ -15,9 +15,8 @@ use bevy::{
         RenderApp,
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
-            Extent3d, LoadOp, Operations, RenderPassDepthStencilAttachment, RenderPassDescriptor,
-            StoreOp, Texture, TextureDescriptor, TextureDimension, TextureUsages,
-            TextureViewDescriptor,
+            Extent3d, LoadOp, Operations, RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp, Texture,
+            TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor,
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
     },
@@ -88,18 +87,9 @@ fn draw_reference(
     });
     for (index, light_view) in views.light_views.iter().enumerate() {
         let rect = atlas.rect(index as u32);
-        pass.set_viewport(
-            rect.x as f32,
-            rect.y as f32,
-            rect.z as f32,
-            rect.w as f32,
-            0.0,
-            1.0,
-        );
+        pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
         pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
-        phase
-            .render(&mut pass, world, *light_view)
-            .expect("Bevy's phase draws");
+        phase.render(&mut pass, world, *light_view).expect("Bevy's phase draws");
     }
 }
 
@@ -142,10 +132,7 @@ fn scene(harness: &mut Harness, casters: usize) {
     world.insert_resource(stock);
 }
 
-fn random_caster(
-    stock: &Stock,
-    random: &mut ChaCha8Rng,
-) -> (Mesh3d, MeshMaterial3d<StandardMaterial>, Transform) {
+fn random_caster(stock: &Stock, random: &mut ChaCha8Rng) -> (Mesh3d, MeshMaterial3d<StandardMaterial>, Transform) {
     let place = Vec3::new(
         random.random_range(-25.0..25.0),
         random.random_range(0.0..3.0),
@@ -162,24 +149,13 @@ fn random_caster(
 
 /// A box whose upper half a joint pulls 3 m aside: its rest-pose bounds are wrong.
 fn skinned_box(world: &mut World, stock: &Stock) {
-    let mut mesh = Cuboid::new(1.0, 6.0, 1.0)
-        .mesh()
-        .build()
-        .translated_by(Vec3::Y * 3.0);
-    let Some(VertexAttributeValues::Float32x3(positions)) =
-        mesh.attribute(Mesh::ATTRIBUTE_POSITION)
-    else {
+    let mut mesh = Cuboid::new(1.0, 6.0, 1.0).mesh().build().translated_by(Vec3::Y * 3.0);
+    let Some(VertexAttributeValues::Float32x3(positions)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION) else {
         panic!("a cuboid has positions");
     };
-    let joints: Vec<[u16; 4]> = positions
-        .iter()
-        .map(|p| [u16::from(p[1] > 3.0), 0, 0, 0])
-        .collect();
+    let joints: Vec<[u16; 4]> = positions.iter().map(|p| [u16::from(p[1] > 3.0), 0, 0, 0]).collect();
     let weights = vec![[1.0_f32, 0.0, 0.0, 0.0]; positions.len()];
-    mesh.insert_attribute(
-        Mesh::ATTRIBUTE_JOINT_INDEX,
-        VertexAttributeValues::Uint16x4(joints),
-    );
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints));
     mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
     let inverse_bindposes = world
@@ -203,8 +179,7 @@ fn skinned_box(world: &mut World, stock: &Stock) {
 /// One frame's worth of random spawns, despawns, moves, hidings and material switches.
 fn mutate(world: &mut World, random: &mut ChaCha8Rng) {
     let stock = world.resource::<Stock>().clone();
-    let mut query = world
-        .query_filtered::<Entity, (With<Mesh3d>, Without<NotShadowCaster>, Without<SkinnedMesh>)>();
+    let mut query = world.query_filtered::<Entity, (With<Mesh3d>, Without<NotShadowCaster>, Without<SkinnedMesh>)>();
     let casters: Vec<Entity> = query.iter(world).collect();
     for entity in casters {
         let mut entity = world.entity_mut(entity);
@@ -216,9 +191,7 @@ fn mutate(world: &mut World, random: &mut ChaCha8Rng) {
                 }
             }
             3 => {
-                entity.insert(MeshMaterial3d(
-                    stock.materials[random.random_range(0..3)].clone(),
-                ));
+                entity.insert(MeshMaterial3d(stock.materials[random.random_range(0..3)].clone()));
             }
             4 => {
                 entity.insert(Visibility::Hidden);
@@ -246,9 +219,7 @@ fn started(technique: &str, casters: usize) -> Harness {
         .init_resource::<Reference>()
         .add_systems(
             Core3d,
-            draw_reference
-                .in_set(SunShadowPasses::DrawCasters)
-                .after(draw_casters),
+            draw_reference.in_set(SunShadowPasses::DrawCasters).after(draw_casters),
         );
     let Ok(Technique::Umbrage(settings)) = technique.parse() else {
         panic!("{technique} is no technique of Umbrage");
@@ -272,11 +243,7 @@ fn reference(harness: &Harness) -> capture::Texels {
 }
 
 fn differing(a: &capture::Texels, b: &capture::Texels) -> usize {
-    assert_eq!(
-        (a.width, a.height),
-        (b.width, b.height),
-        "sizes of the textures"
-    );
+    assert_eq!((a.width, a.height), (b.width, b.height), "sizes of the textures");
     a.to_f32()
         .iter()
         .zip(b.to_f32())
@@ -291,10 +258,7 @@ fn caster_phase_equals_bevys_shadow_phase_under_changes() {
     for frame in 0..8 {
         let atlas = harness.atlas();
         let drawn = atlas.to_f32().iter().filter(|depth| **depth > 0.0).count();
-        assert!(
-            drawn > 5_000,
-            "frame {frame}: only {drawn} texels hold a caster"
-        );
+        assert!(drawn > 5_000, "frame {frame}: only {drawn} texels hold a caster");
         assert_eq!(
             differing(&atlas, &reference(&harness)),
             0,
@@ -316,10 +280,7 @@ fn culling_changes_no_texel() {
         let mut harness = started(technique, 200);
         let culled = harness.atlas();
         let indirect = indirect_draws(&harness);
-        harness
-            .app
-            .sub_app_mut(RenderApp)
-            .insert_resource(CasterCulling(false));
+        harness.app.sub_app_mut(RenderApp).insert_resource(CasterCulling(false));
         harness.frames(1);
         assert_eq!(
             differing(&culled, &harness.atlas()),
@@ -361,12 +322,9 @@ fn indirect_draws(harness: &Harness) -> (u32, u32) {
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(counts, 0, &read, 0, counts.size());
     world.resource::<RenderQueue>().submit([encoder.finish()]);
-    read.slice(..).map_async(MapMode::Read, |result| {
-        result.expect("the counts can be mapped")
-    });
-    device
-        .poll(PollType::wait_indefinitely())
-        .expect("the GPU answers");
+    read.slice(..)
+        .map_async(MapMode::Read, |result| result.expect("the counts can be mapped"));
+    device.poll(PollType::wait_indefinitely()).expect("the GPU answers");
     let drawn = read
         .slice(..)
         .get_mapped_range()

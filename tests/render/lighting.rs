@@ -43,10 +43,8 @@ fn brightness(harness: &Harness, camera: Entity, target: &Handle<Image>, point: 
     let world = harness.app.world();
     let transform = world.get::<GlobalTransform>(camera).expect("a camera");
     let projection = world.get::<Projection>(camera).expect("a camera");
-    let ndc =
-        (projection.get_clip_from_view() * transform.to_matrix().inverse()).project_point3(point);
-    let picture = umbrage::render::capture::read_image(&harness.app, target)
-        .expect("the picture can be read");
+    let ndc = (projection.get_clip_from_view() * transform.to_matrix().inverse()).project_point3(point);
+    let picture = umbrage::render::capture::read_image(&harness.app, target).expect("the picture can be read");
     let x = ((ndc.x * 0.5 + 0.5) * picture.width as f32) as usize;
     let y = ((0.5 - ndc.y * 0.5) * picture.height as f32) as usize;
     let offset = (y * picture.width as usize + x) * 4;
@@ -62,10 +60,7 @@ fn assert_shadow(harness: &Harness, camera: Entity, target: &Handle<Image>, what
         brightness(harness, camera, target, IN_SHADOW),
         brightness(harness, camera, target, LIT),
     );
-    assert!(
-        bright > 60.0,
-        "{what}: the lit ground has brightness {bright}"
-    );
+    assert!(bright > 60.0, "{what}: the lit ground has brightness {bright}");
     assert!(
         dark < 0.6 * bright,
         "{what}: {dark} in the shadow against {bright} beside it"
@@ -73,11 +68,7 @@ fn assert_shadow(harness: &Harness, camera: Entity, target: &Handle<Image>, what
 }
 
 fn assert_pipelines_compiled(harness: &Harness) {
-    let cache = harness
-        .app
-        .sub_app(RenderApp)
-        .world()
-        .resource::<PipelineCache>();
+    let cache = harness.app.sub_app(RenderApp).world().resource::<PipelineCache>();
     for pipeline in cache.pipelines() {
         if let CachedPipelineState::Err(error) = &pipeline.state {
             panic!("a pipeline does not compile: {error}");
@@ -98,9 +89,7 @@ fn both_paths_shadow_forward_and_deferred() {
         for deferred in [false, true] {
             let mut harness = Harness::new(SIZE, eye());
             if deferred {
-                harness
-                    .app
-                    .insert_resource(DefaultOpaqueRendererMethod::deferred());
+                harness.app.insert_resource(DefaultOpaqueRendererMethod::deferred());
                 harness
                     .app
                     .world_mut()
@@ -132,10 +121,7 @@ fn two_cameras_and_an_orthographic_one() {
         .world_mut()
         .spawn((
             Camera3d::default(),
-            Camera {
-                order: 1,
-                ..default()
-            },
+            Camera { order: 1, ..default() },
             RenderTarget::Image(second_target.clone().into()),
             Msaa::Off,
             DepthPrepass,
@@ -165,21 +151,13 @@ fn transparent_receivers_take_the_fallback_map() {
     });
     let pane = harness.mesh(Plane3d::default().mesh().size(8.0, 2.0));
     // Half a metre over the ground, where the slab's shadow has moved a little.
-    harness.app.world_mut().spawn((
-        Mesh3d(pane),
-        MeshMaterial3d(glass),
-        Transform::from_xyz(0.0, 0.5, 0.0),
-    ));
+    harness
+        .app
+        .world_mut()
+        .spawn((Mesh3d(pane), MeshMaterial3d(glass), Transform::from_xyz(0.0, 0.5, 0.0)));
     harness.sun(LIGHT, settings("zp4+lispsm:size=512"));
     harness.start();
-    let over = |x: f32| {
-        brightness(
-            &harness,
-            harness.camera,
-            &harness.target,
-            Vec3::new(x, 0.5, 0.0),
-        )
-    };
+    let over = |x: f32| brightness(&harness, harness.camera, &harness.target, Vec3::new(x, 0.5, 0.0));
     let (dark, bright) = (over(-1.9), over(2.5));
     assert!(
         dark < 0.7 * bright,
@@ -200,26 +178,13 @@ fn techniques_switch_while_running() {
         "zp16+lispsm:size=128",
         "uniform:size=512",
     ] {
-        harness
-            .app
-            .world_mut()
-            .entity_mut(sun)
-            .insert(settings(technique));
+        harness.app.world_mut().entity_mut(sun).insert(settings(technique));
         harness.frames(WARM_UP);
         assert_shadow(&harness, harness.camera, &harness.target, technique);
     }
-    harness
-        .app
-        .world_mut()
-        .entity_mut(sun)
-        .remove::<SunShadows>();
+    harness.app.world_mut().entity_mut(sun).remove::<SunShadows>();
     harness.frames(WARM_UP);
-    assert_shadow(
-        &harness,
-        harness.camera,
-        &harness.target,
-        "Bevy's own cascades",
-    );
+    assert_shadow(&harness, harness.camera, &harness.target, "Bevy's own cascades");
 }
 
 /// Nothing to see, nothing to cast: everything is lit and nothing fails.

@@ -92,9 +92,13 @@ fn mask_of(lookup: Lookup) -> (Vec<u8>, Option<LightView>) {
         directional.shadow_depth_bias = BIAS;
         directional.shadow_normal_bias = 0.0;
     }
-    let [mask, depth, normal] = [ShadowMask::MASK_FORMAT, ShadowMask::DEPTH_FORMAT, ShadowMask::NORMAL_FORMAT]
-        .map(|format| capture::readable_target(SIZE.x, SIZE.y, format))
-        .map(|image| harness.app.world_mut().resource_mut::<Assets<Image>>().add(image));
+    let [mask, depth, normal] = [
+        ShadowMask::MASK_FORMAT,
+        ShadowMask::DEPTH_FORMAT,
+        ShadowMask::NORMAL_FORMAT,
+    ]
+    .map(|format| capture::readable_target(SIZE.x, SIZE.y, format))
+    .map(|image| harness.app.world_mut().resource_mut::<Assets<Image>>().add(image));
     harness.app.world_mut().entity_mut(harness.camera).insert((
         ShadowMask {
             light,
@@ -124,10 +128,20 @@ fn full_path_equals_bevys_lookup_with_the_same_matrices() {
         let (bevy, _) = mask_of(Lookup::Bevy(light_view.expect("the full path has a light view")));
         let in_shadow = bevy.iter().filter(|value| **value < 128).count();
         assert!(in_shadow > 300, "{warp}: only {in_shadow} pixels are in shadow");
-        let decided_otherwise = full.iter().zip(&bevy).filter(|(a, b)| (**a > 127) != (**b > 127)).count();
-        assert_eq!(decided_otherwise, 0, "{warp}: pixels that are lit by one path and not by the other");
+        let decided_otherwise = full
+            .iter()
+            .zip(&bevy)
+            .filter(|(a, b)| (**a > 127) != (**b > 127))
+            .count();
+        assert_eq!(
+            decided_otherwise, 0,
+            "{warp}: pixels that are lit by one path and not by the other"
+        );
         // Fractions pass through a 16-bit float: at most one step of 8 bits.
         let largest = full.iter().zip(&bevy).map(|(a, b)| a.abs_diff(*b)).max();
-        assert!(largest <= Some(1), "{warp}: filtered values differ by {largest:?} of 255");
+        assert!(
+            largest <= Some(1),
+            "{warp}: filtered values differ by {largest:?} of 255"
+        );
     }
 }

@@ -18,10 +18,7 @@ fn boxes() -> Vec<Cuboid3> {
         min: DVec3::new(x - sx / 2.0, y, z - sz / 2.0),
         max: DVec3::new(x + sx / 2.0, y + sy, z + sz / 2.0),
     };
-    let mut boxes = vec![
-        at(-2.0, 0.0, 0.0, 2.0, 2.0, 2.0),
-        at(3.0, 1.5, 1.0, 3.0, 0.3, 2.0),
-    ];
+    let mut boxes = vec![at(-2.0, 0.0, 0.0, 2.0, 2.0, 2.0), at(3.0, 1.5, 1.0, 3.0, 0.3, 2.0)];
     for i in 0..8 {
         let z = 8.0 - 8.0 * f64::from(i);
         boxes.push(at(-5.0, 0.0, z, 0.3, 4.0, 0.3));
@@ -46,10 +43,7 @@ fn trace(origin: DVec3, direction: DVec3, boxes: &[Cuboid3]) -> Option<(f64, DVe
         }
     }
     for (index, cuboid) in boxes.iter().enumerate() {
-        let (a, b) = (
-            (cuboid.min - origin) / direction,
-            (cuboid.max - origin) / direction,
-        );
+        let (a, b) = ((cuboid.min - origin) / direction, (cuboid.max - origin) / direction);
         let (enter, leave) = (a.min(b), a.max(b));
         let (t_in, t_out) = (enter.max_element(), leave.min_element());
         if t_in < t_out && t_in > 0.0 {
@@ -69,25 +63,13 @@ fn trace(origin: DVec3, direction: DVec3, boxes: &[Cuboid3]) -> Option<(f64, DVe
 }
 
 /// Share of wrong pixels among those where truth is certain, (false shadow, false lit, certain pixels).
-fn wrong_shares(
-    result: &[f32],
-    eye: Transform,
-    light_dir: DVec3,
-    boxes: &[Cuboid3],
-) -> (f64, f64, usize) {
+fn wrong_shares(result: &[f32], eye: Transform, light_dir: DVec3, boxes: &[Cuboid3]) -> (f64, f64, usize) {
     let tan = (std::f64::consts::FRAC_PI_4 / 2.0).tan();
     let aspect = f64::from(SIZE.x) / f64::from(SIZE.y);
-    let (right, up, forward) = (
-        eye.right().as_dvec3(),
-        eye.up().as_dvec3(),
-        eye.forward().as_dvec3(),
-    );
+    let (right, up, forward) = (eye.right().as_dvec3(), eye.up().as_dvec3(), eye.forward().as_dvec3());
     let origin = eye.translation.as_dvec3();
     let hit = |x: f64, y: f64| {
-        let ndc = (
-            x / f64::from(SIZE.x) * 2.0 - 1.0,
-            1.0 - y / f64::from(SIZE.y) * 2.0,
-        );
+        let ndc = (x / f64::from(SIZE.x) * 2.0 - 1.0, 1.0 - y / f64::from(SIZE.y) * 2.0);
         let direction = forward + right * (ndc.0 * tan * aspect) + up * (ndc.1 * tan);
         trace(origin, direction, boxes).map(|(t, normal, id)| (origin + t * direction, normal, id))
     };
@@ -100,9 +82,7 @@ fn wrong_shares(
             };
             let same_surface = [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)]
                 .iter()
-                .all(|(dx, dy)| {
-                    hit(centre.0 + dx, centre.1 + dy).is_some_and(|(_, _, other)| other == id)
-                });
+                .all(|(dx, dy)| hit(centre.0 + dx, centre.1 + dy).is_some_and(|(_, _, other)| other == id));
             if !same_surface || normal.dot(-light_dir) <= 0.15 {
                 continue;
             }
@@ -145,12 +125,9 @@ fn errors(light_dir: Vec3, settings: SunShadows) -> (f64, f64) {
     harness.sun(light_dir, settings);
     harness.start();
     let result = harness.shadow_result(harness.camera);
-    let (false_shadow, false_lit, certain) =
-        wrong_shares(&result, eye(), light_dir.as_dvec3().normalize(), &boxes);
+    let (false_shadow, false_lit, certain) = wrong_shares(&result, eye(), light_dir.as_dvec3().normalize(), &boxes);
     assert!(certain > 10_000, "only {certain} pixels can be judged");
-    println!(
-        "light {light_dir}: false shadow {false_shadow:.5}, false lit {false_lit:.5} of {certain}"
-    );
+    println!("light {light_dir}: false shadow {false_shadow:.5}, false lit {false_lit:.5} of {certain}");
     (false_shadow, false_lit)
 }
 
@@ -172,10 +149,7 @@ const LIGHTS: [Vec3; 3] = [
 fn warped_partitions_are_nearly_exact() {
     for light in LIGHTS {
         for filter in ["hard", "pcf2"] {
-            let (false_shadow, false_lit) = errors(
-                light,
-                settings(&format!("zp4+lispsm:size=512,filter={filter}")),
-            );
+            let (false_shadow, false_lit) = errors(light, settings(&format!("zp4+lispsm:size=512,filter={filter}")));
             // Measured on llvmpipe: at most 0.0011 and 0.0011; the bound leaves a factor of two.
             assert!(
                 false_shadow < 0.0022,

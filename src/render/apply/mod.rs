@@ -8,10 +8,9 @@ use bevy::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
-            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, LoadOp,
-            Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, StoreOp, UniformBuffer,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, FragmentState, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, StoreOp, UniformBuffer,
             binding_types::{texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
@@ -38,10 +37,7 @@ impl Plugin for ApplyPlugin {
         };
         render_app
             .add_systems(RenderStartup, init_apply_pipeline)
-            .add_systems(
-                Render,
-                prepare_parameters.in_set(RenderSystems::PrepareResources),
-            )
+            .add_systems(Render, prepare_parameters.in_set(RenderSystems::PrepareResources))
             .add_systems(Core3d, apply_views.in_set(SunShadowPasses::Apply));
     }
 }
@@ -133,12 +129,7 @@ fn prepare_parameters(
     mut commands: Commands,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
-    mut cameras: Query<(
-        Entity,
-        &ExtractedSun,
-        &ShadowAtlas,
-        Option<&mut ApplyUniform>,
-    )>,
+    mut cameras: Query<(Entity, &ExtractedSun, &ShadowAtlas, Option<&mut ApplyUniform>)>,
 ) {
     for (entity, sun, atlas, uniform) in &mut cameras {
         let parameters = apply_parameters(sun, atlas);

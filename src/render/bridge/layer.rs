@@ -8,11 +8,10 @@ use bevy::{
     render::{
         diagnostic::RecordDiagnostics,
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
-            CachedRenderPipelineId, CompareFunction, DepthStencilState, FragmentState, LoadOp,
-            Operations, PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, StoreOp, TextureFormat, TextureSampleType,
-            binding_types::texture_2d,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
+            CompareFunction, DepthStencilState, FragmentState, LoadOp, Operations, PipelineCache,
+            RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, StoreOp,
+            TextureFormat, TextureSampleType, binding_types::texture_2d,
         },
         renderer::{RenderContext, ViewQuery},
         view::ExtractedView,
@@ -83,8 +82,7 @@ pub(super) fn write_layer(
         else {
             return None;
         };
-        (*light_entity == sun.light && *cascade_index == MASK_LAYER)
-            .then_some((shadow_view, view.viewport.zw()))
+        (*light_entity == sun.light && *cascade_index == MASK_LAYER).then_some((shadow_view, view.viewport.zw()))
     });
     let Some((shadow_view, layer_size)) = layer else {
         return;

@@ -16,9 +16,7 @@ const IMPORT_PATH: &str = "#define_import_path bevy_pbr::shadows";
 
 /// Bevy's shader is not the one this version was written for.
 #[derive(Debug, Error, PartialEq, Eq)]
-#[error(
-    "Bevy's shadow shader has no `{missing}`: this version of Umbrage needs Bevy 0.19.1; the full path is off"
-)]
+#[error("Bevy's shadow shader has no `{missing}`: this version of Umbrage needs Bevy 0.19.1; the full path is off")]
 pub struct PatchError {
     /// The text that was looked for.
     pub missing: &'static str,
@@ -37,9 +35,7 @@ pub fn patched(source: &str) -> Result<Option<String>, PatchError> {
         return Err(PatchError { missing: NEEDLE });
     }
     if !source.contains(IMPORT_PATH) {
-        return Err(PatchError {
-            missing: IMPORT_PATH,
-        });
+        return Err(PatchError { missing: IMPORT_PATH });
     }
     let renamed = source.replace(NEEDLE, RENAMED);
     let imported = renamed.replace(
@@ -76,10 +72,9 @@ mod tests {
 
     #[test]
     fn patches_once_and_names_what_is_missing() {
-        let source = "#define_import_path bevy_pbr::shadows\nfn fetch_directional_shadow(a: u32) -> f32 { return 1.0; }\n";
-        let patch = patched(source)
-            .expect("the needle is there")
-            .expect("not patched yet");
+        let source =
+            "#define_import_path bevy_pbr::shadows\nfn fetch_directional_shadow(a: u32) -> f32 { return 1.0; }\n";
+        let patch = patched(source).expect("the needle is there").expect("not patched yet");
         assert!(
             patch.contains(RENAMED) && patch.contains(NEEDLE),
             "both functions are in the patched module"

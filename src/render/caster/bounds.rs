@@ -64,12 +64,7 @@ pub fn extract_mesh_bounds(
     mut bounds: ResMut<MeshBounds>,
     changed: Extract<
         Query<
-            (
-                &Mesh3d,
-                Option<&Aabb>,
-                Has<NoFrustumCulling>,
-                Has<SkinnedMesh>,
-            ),
+            (&Mesh3d, Option<&Aabb>, Has<NoFrustumCulling>, Has<SkinnedMesh>),
             Or<(
                 Changed<Mesh3d>,
                 Changed<Aabb>,
@@ -94,10 +89,7 @@ pub fn extract_mesh_bounds(
 
 fn from_aabb(aabb: &Aabb) -> LocalBounds {
     // A degenerate mesh (no vertices, NaN) is drawn unculled rather than lost.
-    if !aabb.center.is_finite()
-        || !aabb.half_extents.is_finite()
-        || aabb.half_extents.cmplt(Vec3A::ZERO).any()
-    {
+    if !aabb.center.is_finite() || !aabb.half_extents.is_finite() || aabb.half_extents.cmplt(Vec3A::ZERO).any() {
         return LocalBounds::Unbounded;
     }
     LocalBounds::Box {
@@ -120,19 +112,11 @@ mod tests {
             center: Vec3::X * 3.0,
             half_extents: Vec3::ONE,
         };
-        let LocalBounds::Box {
-            center,
-            half_extents,
-        } = a.union(b)
-        else {
+        let LocalBounds::Box { center, half_extents } = a.union(b) else {
             panic!("two boxes have a box as union");
         };
         assert_eq!(center, Vec3::X * 1.5, "center of the union");
-        assert_eq!(
-            half_extents,
-            Vec3::new(2.5, 1.0, 1.0),
-            "half extents of the union"
-        );
+        assert_eq!(half_extents, Vec3::new(2.5, 1.0, 1.0), "half extents of the union");
         assert_eq!(
             a.union(LocalBounds::Unbounded),
             LocalBounds::Unbounded,

@@ -10,14 +10,10 @@ use bevy::{
         diagnostic::RecordDiagnostics,
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
-            BufferInitDescriptor, BufferUsages, CachedComputePipelineId, ComputePassDescriptor,
-            ComputePipelineDescriptor, LoadOp, Operations, PipelineCache,
-            RenderPassDepthStencilAttachment, RenderPassDescriptor, ShaderStages, ShaderType,
-            StoreOp,
-            binding_types::{
-                storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer_sized,
-            },
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BufferInitDescriptor, BufferUsages,
+            CachedComputePipelineId, ComputePassDescriptor, ComputePipelineDescriptor, LoadOp, Operations,
+            PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor, ShaderStages, ShaderType, StoreOp,
+            binding_types::{storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer_sized},
             encase,
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
@@ -25,9 +21,7 @@ use bevy::{
 };
 
 use super::{phase::Caster, plan::CasterPlan, prepare::CasterViews};
-use crate::render::{
-    atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CullParameters, shaders,
-};
+use crate::render::{atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CullParameters, shaders};
 
 /// Invocations of one workgroup of the culling shader.
 const WORKGROUP_SIZE: u32 = 64;
@@ -40,11 +34,7 @@ pub struct CullPipeline {
 }
 
 /// Queues the culling pipeline for compilation.
-pub fn init_cull_pipeline(
-    mut commands: Commands,
-    cache: Res<PipelineCache>,
-    server: Res<AssetServer>,
-) {
+pub fn init_cull_pipeline(mut commands: Commands, cache: Res<PipelineCache>, server: Res<AssetServer>) {
     let layout = BindGroupLayoutDescriptor::new(
         "umbrage_cull_casters",
         &BindGroupLayoutEntries::sequential(
@@ -113,12 +103,7 @@ pub fn draw_casters(
                 &storage_bytes(&matrices),
                 BufferUsages::STORAGE,
             );
-            let parameters = create_buffer(
-                &device,
-                "umbrage_cull_parameters",
-                &parameters,
-                BufferUsages::UNIFORM,
-            );
+            let parameters = create_buffer(&device, "umbrage_cull_parameters", &parameters, BufferUsages::UNIFORM);
             let bind_group = device.create_bind_group(
                 "umbrage_cull_casters",
                 &cache.get_bind_group_layout(&pipeline.layout),
@@ -134,20 +119,14 @@ pub fn draw_casters(
             ctx.command_encoder().clear_buffer(counts, 0, None);
             let diagnostics = ctx.diagnostic_recorder();
             let diagnostics = diagnostics.as_deref();
-            let mut pass = ctx
-                .command_encoder()
-                .begin_compute_pass(&ComputePassDescriptor {
-                    label: Some("umbrage_cull_casters"),
-                    timestamp_writes: None,
-                });
+            let mut pass = ctx.command_encoder().begin_compute_pass(&ComputePassDescriptor {
+                label: Some("umbrage_cull_casters"),
+                timestamp_writes: None,
+            });
             let span = diagnostics.pass_span(&mut pass, "umbrage_cull_casters");
             pass.set_pipeline(compute);
             pass.set_bind_group(0, &bind_group, &[]);
-            pass.dispatch_workgroups(
-                plan.instance_total.div_ceil(WORKGROUP_SIZE),
-                matrices.len() as u32,
-                1,
-            );
+            pass.dispatch_workgroups(plan.instance_total.div_ceil(WORKGROUP_SIZE), matrices.len() as u32, 1);
             span.end(&mut pass);
         }
     }
@@ -173,14 +152,7 @@ pub fn draw_casters(
     if ready {
         for (index, light_view) in views.light_views.iter().enumerate() {
             let rect = atlas.rect(index as u32);
-            pass.set_viewport(
-                rect.x as f32,
-                rect.y as f32,
-                rect.z as f32,
-                rect.w as f32,
-                0.0,
-                1.0,
-            );
+            pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
             pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
             if let Err(error) = phase.render(&mut pass, world, *light_view) {
                 error!("a light view could not be drawn: {error}");
@@ -203,9 +175,7 @@ fn create_buffer(
     })
 }
 
-fn storage_bytes<T: ShaderType + encase::ShaderSize + encase::internal::WriteInto>(
-    values: &[T],
-) -> Vec<u8> {
+fn storage_bytes<T: ShaderType + encase::ShaderSize + encase::internal::WriteInto>(values: &[T]) -> Vec<u8> {
     let mut buffer = encase::StorageBuffer::new(Vec::new());
     // Writing into a vector cannot fail: it grows.
     let _ = buffer.write(&values);

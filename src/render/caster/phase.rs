@@ -11,18 +11,16 @@ use bevy::{
         },
     },
     pbr::{
-        RenderMeshInstances, SetMaterialBindGroup, SetMeshBindGroup,
-        SetPrepassEmptyMaterialBindGroup, SetPrepassViewBindGroup, SetPrepassViewEmptyBindGroup,
-        ShadowBatchSetKey, ShadowBinKey,
+        RenderMeshInstances, SetMaterialBindGroup, SetMeshBindGroup, SetPrepassEmptyMaterialBindGroup,
+        SetPrepassViewBindGroup, SetPrepassViewEmptyBindGroup, ShadowBatchSetKey, ShadowBinKey,
     },
     prelude::*,
     render::{
         mesh::{RenderMesh, RenderMeshBufferInfo, allocator::MeshAllocator},
         render_asset::RenderAssets,
         render_phase::{
-            BinnedPhaseItem, CachedRenderPipelinePhaseItem, DrawFunctionId, PhaseItem,
-            PhaseItemExtraIndex, RenderCommand, RenderCommandResult, SetItemPipeline,
-            TrackedRenderPass,
+            BinnedPhaseItem, CachedRenderPipelinePhaseItem, DrawFunctionId, PhaseItem, PhaseItemExtraIndex,
+            RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass,
         },
         render_resource::{Buffer, CachedRenderPipelineId},
         sync_world::MainEntity,
@@ -136,17 +134,11 @@ impl<P: PhaseItem> RenderCommand<P> for DrawCasterMesh {
         (meshes, instances, allocator): SystemParamItem<'w, '_, Self::Param>,
         pass: &mut TrackedRenderPass<'w>,
     ) -> RenderCommandResult {
-        let (meshes, instances, allocator) = (
-            meshes.into_inner(),
-            instances.into_inner(),
-            allocator.into_inner(),
-        );
+        let (meshes, instances, allocator) = (meshes.into_inner(), instances.into_inner(), allocator.into_inner());
         let Some(mesh_id) = instances.mesh_asset_id(item.main_entity()) else {
             return RenderCommandResult::Skip;
         };
-        let (Some(mesh), Some(vertices)) =
-            (meshes.get(mesh_id), allocator.mesh_vertex_slice(&mesh_id))
-        else {
+        let (Some(mesh), Some(vertices)) = (meshes.get(mesh_id), allocator.mesh_vertex_slice(&mesh_id)) else {
             return RenderCommandResult::Skip;
         };
         let range = item.batch_range();
@@ -157,10 +149,7 @@ impl<P: PhaseItem> RenderCommand<P> for DrawCasterMesh {
             ..default()
         };
         let index_slice = match mesh.buffer_info {
-            RenderMeshBufferInfo::Indexed {
-                index_format,
-                count,
-            } => {
+            RenderMeshBufferInfo::Indexed { index_format, count } => {
                 let Some(indices) = allocator.mesh_index_slice(&mesh_id) else {
                     return RenderCommandResult::Skip;
                 };
@@ -198,15 +187,8 @@ impl<P: PhaseItem> RenderCommand<P> for DrawCasterMesh {
         if range.end > draws.instance_total {
             return RenderCommandResult::Skip;
         }
-        let slot =
-            u64::from(draws.index) * u64::from(draws.instance_total) + u64::from(range.start);
-        pass.multi_draw_indexed_indirect_count(
-            arguments,
-            slot * DRAW_BYTES,
-            counts,
-            slot * 4,
-            bin.instance_count,
-        );
+        let slot = u64::from(draws.index) * u64::from(draws.instance_total) + u64::from(range.start);
+        pass.multi_draw_indexed_indirect_count(arguments, slot * DRAW_BYTES, counts, slot * 4, bin.instance_count);
         RenderCommandResult::Success
     }
 }

@@ -56,21 +56,13 @@ pub fn plan_casters(world: &mut World) {
 
     let device = world.resource::<RenderDevice>();
     let cull = world.resource::<CasterCulling>().0
-        && device.features().contains(
-            WgpuFeatures::MULTI_DRAW_INDIRECT_COUNT | WgpuFeatures::INDIRECT_FIRST_INSTANCE,
-        )
+        && device
+            .features()
+            .contains(WgpuFeatures::MULTI_DRAW_INDIRECT_COUNT | WgpuFeatures::INDIRECT_FIRST_INSTANCE)
         && instance_total > 0
         && light_view_count > 0;
-    let old = world
-        .get::<CasterPlan>(camera)
-        .and_then(|plan| plan.indirect.clone());
-    let indirect = cull.then(|| {
-        sized_buffers(
-            device,
-            old,
-            u64::from(instance_total) * u64::from(light_view_count),
-        )
-    });
+    let old = world.get::<CasterPlan>(camera).and_then(|plan| plan.indirect.clone());
+    let indirect = cull.then(|| sized_buffers(device, old, u64::from(instance_total) * u64::from(light_view_count)));
 
     let buffer_bytes = indirect
         .as_ref()
@@ -156,10 +148,7 @@ fn bins_with_bounds(world: &World, collected: &[CollectedBin]) -> Vec<CasterBin>
                     *known.entry(mesh).or_insert_with(|| bounds.get(mesh))
                 });
             match local {
-                LocalBounds::Box {
-                    center,
-                    half_extents,
-                } => {
+                LocalBounds::Box { center, half_extents } => {
                     bin.center_local = center.extend(0.0);
                     bin.half_extents_local = half_extents.extend(0.0);
                 }
@@ -173,15 +162,9 @@ fn bins_with_bounds(world: &World, collected: &[CollectedBin]) -> Vec<CasterBin>
 }
 
 /// Buffers for one draw and one count per (light view, instance); old ones are kept while they are large enough.
-fn sized_buffers(
-    device: &RenderDevice,
-    old: Option<(Buffer, Buffer)>,
-    draws: u64,
-) -> (Buffer, Buffer) {
+fn sized_buffers(device: &RenderDevice, old: Option<(Buffer, Buffer)>, draws: u64) -> (Buffer, Buffer) {
     match old {
-        Some((arguments, counts))
-            if arguments.size() >= draws * DRAW_BYTES && counts.size() >= draws * 4 =>
-        {
+        Some((arguments, counts)) if arguments.size() >= draws * DRAW_BYTES && counts.size() >= draws * 4 => {
             (arguments, counts)
         }
         _ => {

@@ -64,9 +64,7 @@ pub fn prepare_caster_views(
     let mut live = HashSet::new();
     let mut seen: Vec<Entity> = Vec::new();
     for (camera, sun, atlas, mut lights, known) in &mut cameras {
-        let Some((cascade_entity, cascade, layers)) =
-            find_cascade(&lights, &cascades, sun.light, 0)
-        else {
+        let Some((cascade_entity, cascade, layers)) = find_cascade(&lights, &cascades, sun.light, 0) else {
             continue;
         };
         let mut retained_master = cascade.retained_view_entity;
@@ -118,16 +116,12 @@ pub fn prepare_caster_views(
             NoIndirectDrawing,
             CollectBins::default(),
         ));
-        for (index, (entity, light_view)) in
-            views.light_views.iter().zip(&sun.light_views).enumerate()
-        {
+        for (index, (entity, light_view)) in views.light_views.iter().zip(&sun.light_views).enumerate() {
             let mut retained = retained_master;
             retained.subview_index = MASTER_SUBVIEW + 1 + index as u32;
-            commands.entity(*entity).insert(render_view(
-                light_view,
-                atlas.rect(index as u32),
-                retained,
-            ));
+            commands
+                .entity(*entity)
+                .insert(render_view(light_view, atlas.rect(index as u32), retained));
         }
         // Bevy's preprocessing fills the mesh uniforms of all directional views in this list.
         lights.lights.push(views.master);
@@ -140,11 +134,7 @@ pub fn prepare_caster_views(
         owned.insert(camera, views.clone());
         commands.entity(camera).insert(views);
     }
-    let gone: Vec<Entity> = owned
-        .keys()
-        .copied()
-        .filter(|camera| !seen.contains(camera))
-        .collect();
+    let gone: Vec<Entity> = owned.keys().copied().filter(|camera| !seen.contains(camera)).collect();
     for camera in gone {
         statistics.0.remove(&camera);
         if let Some(views) = owned.remove(&camera) {
@@ -179,11 +169,7 @@ pub fn find_cascade<'a>(
     })
 }
 
-fn render_view(
-    light_view: &LightView,
-    viewport: UVec4,
-    retained: RetainedViewEntity,
-) -> ExtractedView {
+fn render_view(light_view: &LightView, viewport: UVec4, retained: RetainedViewEntity) -> ExtractedView {
     ExtractedView {
         retained_view_entity: retained,
         viewport,

@@ -2,9 +2,8 @@
 
 use bevy::{
     pbr::{
-        PreparedMaterial, RenderMaterialInstances, RenderMeshInstanceFlags, RenderMeshInstances,
-        ShadowBatchSetKey, ShadowBinKey, ShadowsDepthOnlyDrawFunction,
-        SpecializedShadowMaterialPipelineCache,
+        PreparedMaterial, RenderMaterialInstances, RenderMeshInstanceFlags, RenderMeshInstances, ShadowBatchSetKey,
+        ShadowBinKey, ShadowsDepthOnlyDrawFunction, SpecializedShadowMaterialPipelineCache,
     },
     prelude::*,
     render::{
@@ -67,10 +66,7 @@ pub fn queue_casters(
             phase.remove(main_entity);
         }
         let candidates: Vec<_> = if views.fresh {
-            visible
-                .iter_visible()
-                .map(|(render, main)| (*render, *main))
-                .collect()
+            visible.iter_visible().map(|(render, main)| (*render, *main)).collect()
         } else {
             dirty
                 .iter_to_queue(cascade, visible, &pending.prev_frame)
@@ -82,10 +78,7 @@ pub fn queue_casters(
                 pending.current_frame.insert((render_entity, main_entity));
                 continue;
             };
-            if !instance
-                .flags()
-                .contains(RenderMeshInstanceFlags::SHADOW_CASTER)
-            {
+            if !instance.flags().contains(RenderMeshInstanceFlags::SHADOW_CASTER) {
                 continue;
             }
             let Some(material) = material_instances
@@ -106,10 +99,7 @@ pub fn queue_casters(
             let Some(slabs) = allocator.mesh_slabs(&instance.mesh_asset_id()) else {
                 continue;
             };
-            let depth_only = Some(bevy_draw)
-                == material
-                    .properties
-                    .get_draw_function(ShadowsDepthOnlyDrawFunction);
+            let depth_only = Some(bevy_draw) == material.properties.get_draw_function(ShadowsDepthOnlyDrawFunction);
             phase.add(
                 ShadowBatchSetKey {
                     pipeline,

@@ -63,15 +63,9 @@ impl Plugin for MaskPlugin {
             return;
         };
         registry.insert_asset(
-            PathBuf::from(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/shaders/mask/mask.wgsl"
-            )),
+            PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/mask/mask.wgsl")),
             Path::new(pass::SHADER),
-            include_bytes!(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/shaders/mask/mask.wgsl"
-            )),
+            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/mask/mask.wgsl")),
         );
         app.add_plugins(ExtractComponentPlugin::<ShadowMask>::default());
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -79,10 +73,7 @@ impl Plugin for MaskPlugin {
         };
         render_app
             .init_resource::<SpecializedRenderPipelines<pass::MaskPipeline>>()
-            .add_systems(
-                RenderStartup,
-                pass::init_pipeline.after(MeshPipelineSystems),
-            )
+            .add_systems(RenderStartup, pass::init_pipeline.after(MeshPipelineSystems))
             .add_systems(Render, pass::prepare_views.in_set(RenderSystems::Prepare))
             .add_systems(
                 Core3d,

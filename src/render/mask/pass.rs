@@ -2,18 +2,15 @@
 
 use bevy::{
     core_pipeline::FullscreenShader,
-    pbr::{
-        ExtractedDirectionalLight, MeshPipeline, MeshPipelineKey, MeshViewBindGroup, ViewKeyCache,
-    },
+    pbr::{ExtractedDirectionalLight, MeshPipeline, MeshPipelineKey, MeshViewBindGroup, ViewKeyCache},
     prelude::*,
     render::{
         camera::ExtractedCamera,
         render_asset::RenderAssets,
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
-            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, LoadOp,
-            Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, ShaderType, SpecializedRenderPipeline,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, FragmentState, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, ShaderType, SpecializedRenderPipeline,
             SpecializedRenderPipelines, StoreOp, UniformBuffer, binding_types::uniform_buffer,
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
@@ -61,10 +58,7 @@ pub(super) fn init_pipeline(
         mesh_pipeline: mesh_pipeline.clone(),
         settings_layout: BindGroupLayoutDescriptor::new(
             "shadow_mask_settings_layout",
-            &BindGroupLayoutEntries::single(
-                ShaderStages::FRAGMENT,
-                uniform_buffer::<MaskSettings>(false),
-            ),
+            &BindGroupLayoutEntries::single(ShaderStages::FRAGMENT, uniform_buffer::<MaskSettings>(false)),
         ),
         fullscreen: fullscreen.clone(),
         shader: asset_server.load(format!("embedded://{SHADER}")),
@@ -182,14 +176,11 @@ pub(super) fn draw_mask(
     ];
     let fits = |(image, format): &(&GpuImage, _)| {
         Some(image.texture_descriptor.size.width) == camera.physical_target_size.map(|size| size.x)
-            && Some(image.texture_descriptor.size.height)
-                == camera.physical_target_size.map(|size| size.y)
+            && Some(image.texture_descriptor.size.height) == camera.physical_target_size.map(|size| size.y)
             && image.texture_descriptor.format == *format
     };
     if !targets.iter().all(fits) {
-        warn_once!(
-            "The images of a ShadowMask have another size than its camera, or other formats; it is not drawn."
-        );
+        warn_once!("The images of a ShadowMask have another size than its camera, or other formats; it is not drawn.");
         return;
     }
     let bind_group = context.render_device().create_bind_group(
