@@ -45,3 +45,8 @@ pub mod prelude {
         },
     };
 }
+
+/// The examples of the README, compiled.
+#[cfg(all(doctest, feature = "demo"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
