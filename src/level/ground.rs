@@ -76,39 +76,26 @@ pub enum BlockerShape {
 }
 
 impl Blocker {
-    /// The way out of the outline grown by `radius` for a point inside it; zero outside.
-    fn push_out(&self, p: Vec2, radius: f32) -> Vec2 {
+    /// Signed distance of (x, z) from the side of the outline, negative inside, and the unit direction that increases
+    /// it most.
+    pub fn outwards(&self, p: Vec2) -> (f32, Vec2) {
+        let offset = p - self.center;
         match self.shape {
-            BlockerShape::Cylinder { radius: own } => {
-                let (offset, reach) = (p - self.center, own + radius);
-                if offset.length_squared() >= reach * reach {
-                    return Vec2::ZERO;
-                }
-                // Dead centre: any way out is as good.
-                let out = offset.try_normalize().unwrap_or(Vec2::X);
-                out * reach - offset
-            }
+            // Dead center: any way out is as good.
+            BlockerShape::Cylinder { radius } => (offset.length() - radius, offset.try_normalize().unwrap_or(Vec2::X)),
             BlockerShape::Box { half, yaw } => {
                 // A turn about +y takes x towards -z.
                 let turn = Rot2::radians(-yaw);
-                let local = turn.inverse() * (p - self.center);
-                let nearest = local.clamp(-half, half);
-                let offset = local - nearest;
-                if offset != Vec2::ZERO {
-                    let depth = radius - offset.length();
-                    return if depth > 0.0 {
-                        turn * (offset.normalize() * depth)
-                    } else {
-                        Vec2::ZERO
-                    };
-                }
-                let room = half + radius - local.abs();
-                let out = if room.x < room.y {
-                    Vec2::new(room.x.copysign(local.x), 0.0)
-                } else {
-                    Vec2::new(0.0, room.y.copysign(local.y))
+                let local = turn.inverse() * offset;
+                let beyond = local.abs() - half;
+                let signs = Vec2::new(1f32.copysign(local.x), 1f32.copysign(local.y));
+                let outside = beyond.max(Vec2::ZERO);
+                let (distance, way_out) = match outside.try_normalize() {
+                    Some(direction) => (outside.length(), direction),
+                    None if beyond.x > beyond.y => (beyond.x, Vec2::X),
+                    None => (beyond.y, Vec2::Y),
                 };
-                turn * out
+                (distance, turn * (way_out * signs))
             }
         }
     }
@@ -197,27 +184,16 @@ impl Ground {
         &self.blockers
     }
 
-    /// Where an upright walker of this radius and height, with its feet at `feet`, ends up after obstacles have
-    /// pushed it aside. The height is kept; ask [`Ground::height`] for the new one.
-    pub fn push_out(&self, feet: Vec3, radius: f32, height: f32) -> Vec3 {
-        let mut p = Vec2::new(feet.x, feet.z);
-        // Out of one may be into another: three rounds settle corners, and more would not settle a crowd.
-        for _ in 0..3 {
-            let before = p;
-            let reach = Vec2::splat(radius);
-            for cell in cells(p - reach, p + reach) {
-                for i in self.blockers_at.get(&cell).into_iter().flatten() {
-                    let blocker = &self.blockers[*i as usize];
-                    if blocker.bottom < feet.y + height && blocker.top > feet.y {
-                        p += blocker.push_out(p, radius);
-                    }
-                }
-            }
-            if p == before {
-                break;
-            }
-        }
-        Vec3::new(p.x, feet.y, p.y)
+    /// The obstacles whose outlines come nearer to (x, z) than `reach` metres, each once, in the order of
+    /// [`Ground::blockers`]. Their heights are not asked.
+    pub fn blockers_near(&self, p: Vec2, reach: f32) -> Vec<&Blocker> {
+        let corner = Vec2::splat(reach);
+        let in_cells = cells(p - corner, p + corner).filter_map(|cell| self.blockers_at.get(&cell));
+        let mut indices: Vec<u32> = in_cells.flatten().copied().collect();
+        indices.sort_unstable();
+        indices.dedup();
+        let blockers = indices.into_iter().map(|i| &self.blockers[i as usize]);
+        blockers.filter(|blocker| blocker.outwards(p).0 < reach).collect()
     }
 }
 
@@ -235,38 +211,54 @@ mod tests {
     }
 
     #[test]
-    fn a_cylinder_pushes_out_to_its_rim() {
+    fn the_way_out_of_a_cylinder_is_to_its_rim() {
         let trunk = blocker(Vec2::new(20.0, 5.0), BlockerShape::Cylinder { radius: 0.5 });
-        let ground = Ground::new(Surface::Flat(0.0), vec![], vec![trunk]);
-        let out = ground.push_out(Vec3::new(20.2, 0.0, 5.0), 0.3, 1.8);
-        assert!((out - Vec3::new(20.8, 0.0, 5.0)).length() < 1e-5, "{out}");
-        let free = Vec3::new(21.0, 0.0, 5.0);
-        assert_eq!(ground.push_out(free, 0.3, 1.8), free);
-        let above = Vec3::new(20.2, 3.5, 5.0);
-        assert_eq!(ground.push_out(above, 0.3, 1.8), above);
-        assert!(ground.push_out(Vec3::new(20.0, 0.0, 5.0), 0.3, 1.8).is_finite());
+        for (p, distance) in [(Vec2::new(20.2, 5.0), -0.3), (Vec2::new(21.5, 5.0), 1.0)] {
+            let (found, way_out) = trunk.outwards(p);
+            assert!((found - distance).abs() < 1e-5, "{p}: {found}");
+            assert!((way_out - Vec2::X).length() < 1e-5, "{p}: {way_out}");
+        }
+        assert_eq!(trunk.outwards(trunk.center).0, -0.5);
+        assert!(trunk.outwards(trunk.center).1.is_normalized(), "dead center");
     }
 
     #[test]
-    fn a_turned_box_pushes_out_along_its_own_axes() {
+    fn the_way_out_of_a_turned_box_is_along_its_own_axes() {
         let yaw = 0.5;
         let half = Vec2::new(4.0, 1.0);
         let wall = blocker(Vec2::ZERO, BlockerShape::Box { half, yaw });
-        let ground = Ground::new(Surface::Flat(0.0), vec![], vec![wall]);
         let rotation = bevy_math::Quat::from_rotation_y(yaw);
-        for (local, expected) in [
-            (Vec3::new(2.0, 0.0, 0.8), Vec3::new(2.0, 0.0, 1.3)),
-            (Vec3::new(-2.0, 0.0, -1.2), Vec3::new(-2.0, 0.0, -1.3)),
-            (Vec3::new(3.9, 0.0, 0.1), Vec3::new(4.3, 0.0, 0.1)),
-            (Vec3::new(2.0, 0.0, 1.4), Vec3::new(2.0, 0.0, 1.4)),
+        for (local, distance, expected) in [
+            (Vec3::new(2.0, 0.0, 0.8), -0.2, Vec3::Z),
+            (Vec3::new(-2.0, 0.0, -1.2), 0.2, Vec3::NEG_Z),
+            (Vec3::new(3.9, 0.0, 0.1), -0.1, Vec3::X),
+            (Vec3::new(-7.0, 0.0, 5.0), 5.0, Vec3::new(-0.6, 0.0, 0.8)),
         ] {
-            let out = ground.push_out(rotation * local, 0.3, 1.8);
-            assert!(
-                (out - rotation * expected).length() < 1e-4,
-                "{local} to {}",
-                rotation.inverse() * out
-            );
+            let p = rotation * local;
+            let (found, way_out) = wall.outwards(Vec2::new(p.x, p.z));
+            assert!((found - distance).abs() < 1e-4, "{local}: {found}");
+            let way_out = rotation.inverse() * Vec3::new(way_out.x, 0.0, way_out.y);
+            assert!((way_out - expected).length() < 1e-4, "{local}: {way_out}");
         }
+    }
+
+    #[test]
+    fn nearby_obstacles_are_found_once_and_far_ones_not() {
+        let long = BlockerShape::Box {
+            half: Vec2::new(40.0, 0.1),
+            yaw: 0.8,
+        };
+        let trunk = BlockerShape::Cylinder { radius: 0.5 };
+        let blockers = vec![
+            blocker(Vec2::ZERO, long),
+            blocker(Vec2::new(3.0, 0.0), trunk),
+            blocker(Vec2::new(90.0, 0.0), trunk),
+        ];
+        let ground = Ground::new(Surface::Flat(0.0), vec![], blockers.clone());
+        let near = |p: Vec2, reach| ground.blockers_near(p, reach).into_iter().copied().collect::<Vec<_>>();
+        assert_eq!(near(Vec2::ZERO, 10.0), blockers[..2]);
+        assert_eq!(near(Vec2::new(89.0, 0.0), 0.6), blockers[2..]);
+        assert_eq!(near(Vec2::new(89.0, 0.0), 0.4), []);
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod arguments;
 mod failures;
 mod glb;
 mod pictures;
+mod play;
 
 use std::{
     path::Path,

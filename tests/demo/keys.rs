@@ -2,11 +2,28 @@
 
 use bevy::prelude::*;
 use umbrage::{
-    demo::walker::Mode,
+    demo::{input::ROWS, walker::Mode},
     shadow::{settings::ShadowPath, technique::Technique},
 };
 
 use crate::game::Game;
+
+#[test]
+fn the_readme_has_the_same_table_of_keys() {
+    let readme = include_str!("../../README.md");
+    let table: Vec<&str> = readme
+        .lines()
+        .skip_while(|line| *line != "### Keys")
+        .skip_while(|line| !line.starts_with("|---"))
+        .skip(1)
+        .take_while(|line| line.starts_with('|'))
+        .collect();
+    let rows: Vec<String> = ROWS
+        .iter()
+        .map(|row| format!("| {} | {} |", row.label(), row.does))
+        .collect();
+    assert_eq!(table, rows);
+}
 
 #[test]
 fn wasd_walks_and_the_camera_follows() {

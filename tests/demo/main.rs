@@ -4,3 +4,4 @@ mod game;
 mod keys;
 mod picture;
 mod screens;
+mod walk;

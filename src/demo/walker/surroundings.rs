@@ -3,7 +3,7 @@
 use bevy::math::{Vec2, Vec3, Vec3Swizzles};
 
 use super::{BODY_HEIGHT, EDGE, MIN_NORMAL_Y, RADIUS, STEP_HEIGHT, TOUCH, WORLD_LIMIT};
-use crate::level::ground::{Blocker, BlockerShape, Ground};
+use crate::level::ground::{Blocker, Ground};
 
 /// Heights and the obstacles within reach of one step.
 pub(super) struct Surroundings<'a> {
@@ -15,14 +15,13 @@ pub(super) struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     pub(super) fn of(ground: &'a Ground, at: Vec2, reach: f32) -> Self {
-        let near = |blocker: &&Blocker| outwards(blocker, at).0 <= reach + RADIUS;
         let limit = ground
             .terrain()
             .map_or(Vec2::splat(WORLD_LIMIT), |terrain| 0.5 * terrain.size() - EDGE);
         Self {
             ground,
             limit: limit.max(Vec2::ZERO),
-            blockers: ground.blockers().iter().filter(near).collect(),
+            blockers: ground.blockers_near(at, reach + RADIUS),
         }
     }
 
@@ -37,7 +36,7 @@ impl<'a> Surroundings<'a> {
         let tops = self
             .blockers
             .iter()
-            .filter(|blocker| blocker.top <= feet.y + STEP_HEIGHT && outwards(blocker, feet.xz()).0 < RADIUS)
+            .filter(|blocker| blocker.top <= feet.y + STEP_HEIGHT && blocker.outwards(feet.xz()).0 < RADIUS)
             .map(|blocker| blocker.top);
         tops.fold(self.terrain(feet.xz(), feet.y), f32::max)
     }
@@ -48,7 +47,7 @@ impl<'a> Surroundings<'a> {
             .iter()
             .filter(|blocker| blocker.top > feet.y + STEP_HEIGHT && blocker.bottom < feet.y + BODY_HEIGHT)
             .map(|blocker| {
-                let (distance, way_out) = outwards(blocker, feet.xz());
+                let (distance, way_out) = blocker.outwards(feet.xz());
                 (RADIUS - distance, way_out)
             })
             .filter(|(depth, _)| *depth > 0.0)
@@ -101,30 +100,5 @@ impl<'a> Surroundings<'a> {
     fn is_climbable(&self, feet: Vec3, to: Vec2) -> bool {
         let rise = self.terrain(to, feet.y) - self.terrain(feet.xz(), feet.y).max(feet.y);
         rise <= TOUCH || (rise <= STEP_HEIGHT && self.ground.normal(to.x, to.y).y >= MIN_NORMAL_Y)
-    }
-}
-
-/// Signed distance from the side of an upright obstacle, seen from above, and the direction that increases it most.
-fn outwards(blocker: &Blocker, at: Vec2) -> (f32, Vec2) {
-    let from_center = at - blocker.center;
-    match blocker.shape {
-        BlockerShape::Cylinder { radius } => {
-            let distance = from_center.length();
-            (distance - radius, from_center.try_normalize().unwrap_or(Vec2::X))
-        }
-        BlockerShape::Box { half, yaw } => {
-            // A turn about +y takes x towards -z.
-            let turn = Vec2::from_angle(-yaw);
-            let local = Vec2::new(turn.x, -turn.y).rotate(from_center);
-            let beyond = local.abs() - half;
-            let signs = Vec2::new(1f32.copysign(local.x), 1f32.copysign(local.y));
-            let outside = beyond.max(Vec2::ZERO);
-            let (distance, way_out) = match outside.try_normalize() {
-                Some(direction) => (outside.length(), direction * signs),
-                None if beyond.x > beyond.y => (beyond.x, Vec2::X * signs),
-                None => (beyond.y, Vec2::Y * signs),
-            };
-            (distance, turn.rotate(way_out))
-        }
     }
 }
