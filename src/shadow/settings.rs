@@ -85,10 +85,10 @@ pub enum ShadowBias {
         /// Metres.
         metres: f32,
     },
-    /// The depth that the receiver's plane spans over the local texel footprint: needs no tuning at any warp,
-    /// partition or resolution.
+    /// Every comparison uses the depth of the receiver's plane at the texel that it reads, and a share of the depth that
+    /// this plane spans over the local texel footprint: needs no tuning at any warp, partition or resolution.
     Footprint {
-        /// 1: the exact span of one filter kernel on a plane.
+        /// Share of the span, in halves: 1 keeps half a texel's span between a surface and its own shadow.
         scale: f32,
     },
 }

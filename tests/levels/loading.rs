@@ -198,6 +198,46 @@ fn a_broken_level_file_fails_with_file_line_and_field() {
     }
 }
 
+/// What a file watcher (feature `dev`) triggers: the asset server reads the file again, and the level follows it. An edit
+/// with a mistake leaves the scene as it is.
+#[test]
+fn a_changed_file_changes_the_level_and_a_broken_one_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("levels/room")).unwrap();
+    let file = folder.path().join("levels/room/plane_box.level.ron");
+    let good = fs::read_to_string(root().levels().join("room/plane_box.level.ron")).unwrap();
+    fs::write(&file, &good).unwrap();
+    let mut app = app_with(&find::asset_root(Some(folder.path())).unwrap());
+    request(&mut app, SceneSource::level("room/plane_box"));
+    wait(&mut app).unwrap();
+    let entities = count::<LevelEntity>(&mut app);
+    let first_shot = |app: &App| {
+        let scene = app.world().get_resource::<LoadedScene>();
+        scene.map(|scene| scene.shots[0].name.clone())
+    };
+    let mut reload_until = |text: String, is_done: &dyn Fn(Option<String>) -> bool| {
+        fs::write(&file, text).unwrap();
+        app.world()
+            .resource::<AssetServer>()
+            .reload("levels://room/plane_box.level.ron");
+        let start = Instant::now();
+        while !is_done(first_shot(&app)) && start.elapsed().as_secs() < 20 {
+            app.update();
+        }
+        wait(&mut app).unwrap();
+        assert_eq!(count::<LevelEntity>(&mut app), entities, "the old scene is gone");
+        first_shot(&app)
+    };
+    let renamed = good.replace("\"corner\"", "\"edited\"");
+    let shot = reload_until(renamed, &|name| name.as_deref() == Some("edited"));
+    assert_eq!(shot.as_deref(), Some("edited"), "the level follows its file");
+    // Nothing to wait for: give the server a second to read the broken file.
+    let start = Instant::now();
+    let broken = good.replace("near: 0.5", "near: NaN");
+    let shot = reload_until(broken, &|_| start.elapsed().as_secs_f32() > 1.0);
+    assert_eq!(shot.as_deref(), Some("edited"), "a broken file changes nothing");
+}
+
 /// A triangle of 2 m as a glTF document; `uri` is where its 36 bytes of positions are.
 fn triangle(uri: Option<&str>) -> String {
     let uri = uri.map(|uri| format!(r#""uri":"{uri}","#)).unwrap_or_default();
