@@ -3,9 +3,9 @@
 
 #import umbrage::spaces::uv_from_ndc
 
-// Surfaces are treated as if they met the light at this cosine at least (84 degrees): beyond it the depth span of a
-// texel grows without limit while the surface gets no light anyway.
-const MIN_COS_LIGHT: f32 = 0.1;
+// Surfaces are treated as if they met the light at this cosine at least (89.4 degrees): beyond it the depth span of a
+// texel grows without limit, while direct light is below a hundredth.
+const MIN_COS_LIGHT: f32 = 0.01;
 
 struct ReceiverPlane {
     // Texture coordinates in the map, 0..1; y down.

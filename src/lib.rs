@@ -3,7 +3,7 @@
 //! The crate is a house of rooms; imports point down only (`tests/rooms.rs` holds it):
 //!
 //! ```text
-//! cli ──► demo, ui ──► level ──► render ──► shadow, lod ──► maths
+//! cli ──► demo ──► ui ──► level ──► render ──► shadow ──► maths
 //! ```
 //!
 //! | room | what it is | needs feature |

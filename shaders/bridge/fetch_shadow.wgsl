@@ -1,6 +1,7 @@
 
 // Added by Umbrage. The lookup above keeps its body under the name `fetch_directional_shadow_bevy`; this one takes its
-// place for lights whose last cascade is the layer of the shadow result (far bound beyond 1e8).
+// place for lights whose last cascade is the layer of the shadow result: its far bound is exactly 1e9 m and its texels
+// are of a millimetre, which no stock cascade can be (`shadow::full` writes both).
 fn fetch_directional_shadow(
     light_id: u32,
     frag_position: vec4<f32>,
@@ -12,7 +13,8 @@ fn fetch_directional_shadow(
 #ifndef MULTISAMPLED
     let light = &view_bindings::lights.directional_lights[light_id];
     let last = (*light).num_cascades - 1u;
-    if (*light).num_cascades > 0u && (*light).cascades[last].far_bound > 1.0e8 {
+    if (*light).num_cascades > 0u && (*light).cascades[last].far_bound == 1.0e9
+            && (*light).cascades[last].texel_size < 0.0011 {
         let pixel = vec2<i32>(frag_coord_xy);
         // Fragments that are not the surface of the depth prepass (transparent ones) have no shadow result.
         let prepass_ndc = textureLoad(view_bindings::depth_prepass_texture, pixel, 0);

@@ -35,6 +35,7 @@ pub(super) fn run(assets: Option<&Path>, args: &Play) -> Result<(), Failure> {
     match demo::run(options) {
         Ok(()) => Ok(()),
         Err(reason @ PlayError::NoDisplay(_)) => {
+            demo::adapter::check().map_err(|missing| Failure::failed(format!("{reason}; {missing}")))?;
             remark(format!(
                 "{reason}; rendering a short flight to {FLIGHT_FOLDER}/ instead"
             ));

@@ -6,9 +6,9 @@
 
 use bevy_math::{Mat4, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
-/// Surfaces are treated as if they met the light at this cosine at least (84°): beyond it the depth span of a texel
-/// grows without limit while the surface gets no light anyway.
-pub const MIN_COS_LIGHT: f32 = 0.1;
+/// Surfaces are treated as if they met the light at this cosine at least (89.4°): beyond it the depth span of a texel
+/// grows without limit, while direct light is below a hundredth.
+pub const MIN_COS_LIGHT: f32 = 0.01;
 
 /// The receiver's plane in a light view.
 #[derive(Clone, Copy, Debug, PartialEq)]

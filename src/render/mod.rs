@@ -14,7 +14,7 @@
 //!             Bevy's main pass, forward or deferred, any material, reads the layer
 //! ```
 //!
-//! All contact with Bevy's semi-internal types sits in [`bridge`] and [`caster`].
+//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`] and [`mask`].
 
 pub mod apply;
 pub mod atlas;

@@ -1,4 +1,4 @@
-//! The only file that names shader files.
+//! Shader files of the full path, embedded into the crate; [`mask`](super::mask) embeds its own.
 
 use std::path::{Path, PathBuf};
 

@@ -40,7 +40,7 @@ pub struct CameraSunViews {
     pub near_depth: f32,
     /// View depth of the farthest.
     pub far_depth: f32,
-    /// One per partition, near to far. Empty when the camera sees nothing of the scene.
+    /// One per partition, near to far. A camera that sees nothing of the scene has no entry in [`SunViews`].
     pub partitions: Vec<PartitionView>,
     /// One map over the whole range: the fallback for transparent surfaces and the source of the caster set.
     pub master: LightView,

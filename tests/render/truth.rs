@@ -184,3 +184,37 @@ fn warps_and_partitions_beat_uniform() {
         );
     }
 }
+
+/// Flat ground under a sun that nearly touches it: no acne where nothing is in the way, down to one degree.
+#[test]
+fn grazing_light_gives_no_acne() {
+    for elevation in [1.0_f32, 2.0, 4.0] {
+        for technique in ["lispsm:size=512", "zp4+lispsm:size=256,filter=hard"] {
+            let mut harness = Harness::new(SIZE, eye());
+            let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
+            let plane = harness.mesh(Plane3d::default().mesh().size(120.0, 120.0));
+            let pole = harness.mesh(Cuboid::new(0.3, 4.0, 0.3));
+            let world = harness.app.world_mut();
+            world.spawn((Mesh3d(plane), MeshMaterial3d(material.clone())));
+            // Behind the light's way: it makes a scene with height, and its shadow leaves the picture.
+            world.spawn((
+                Mesh3d(pole),
+                MeshMaterial3d(material),
+                Transform::from_xyz(-40.0, 2.0, -30.0),
+            ));
+            let radians = elevation.to_radians();
+            harness.sun(Vec3::new(-radians.cos(), -radians.sin(), -0.1), settings(technique));
+            harness.start();
+            let result = harness.shadow_result(harness.camera);
+            let below_horizon = (SIZE.x * SIZE.y * 2 / 3) as usize..;
+            let ground = &result[below_horizon];
+            let dark = ground.iter().filter(|lit| **lit < 0.9).count();
+            assert_eq!(
+                dark,
+                0,
+                "{technique}, {elevation} degrees: {dark} of {} pixels",
+                ground.len()
+            );
+        }
+    }
+}

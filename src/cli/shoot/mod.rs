@@ -68,7 +68,9 @@ pub(super) fn run_with(
     };
     let result = args.scenes.iter().try_for_each(|scene| session.shoot_scene(scene));
     session.bar.finish_and_clear();
-    result
+    result?;
+    // A shard without shots leaves a file too, so that nobody takes it for lost.
+    session.write_stats()
 }
 
 /// A bar on a terminal, nothing anywhere else.

@@ -2,7 +2,7 @@
 //!
 //! Bevy's lighting calls `fetch_directional_shadow` of the shader module `bevy_pbr::shadows`. The bridge renames that
 //! function and appends one of the same name that reads the shadow result from an extra layer of the sun's shadow
-//! map array (the main world gives the sun a last cascade with a far bound beyond 1e8, see
+//! map array (the main world gives the sun a last cascade that no stock light can have, see
 //! [`shadow::full`](crate::shadow::full)). Fragments that are not in the depth prepass (transparent ones), multisampled
 //! cameras and all other lights take Bevy's own lookup.
 

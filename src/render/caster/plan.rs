@@ -60,7 +60,8 @@ pub fn plan_casters(world: &mut World) {
             .features()
             .contains(WgpuFeatures::MULTI_DRAW_INDIRECT_COUNT | WgpuFeatures::INDIRECT_FIRST_INSTANCE)
         && instance_total > 0
-        && light_view_count > 0;
+        && light_view_count > 0
+        && fits(device, u64::from(instance_total) * u64::from(light_view_count));
     let old = world.get::<CasterPlan>(camera).and_then(|plan| plan.indirect.clone());
     let indirect = cull.then(|| sized_buffers(device, old, u64::from(instance_total) * u64::from(light_view_count)));
 
@@ -161,6 +162,16 @@ fn bins_with_bounds(world: &World, collected: &[CollectedBin]) -> Vec<CasterBin>
     bins
 }
 
+/// Whether the device can bind buffers for that many draws; beyond it everything is drawn unculled.
+fn fits(device: &RenderDevice, draws: u64) -> bool {
+    with_room(draws) * DRAW_BYTES <= device.limits().max_storage_buffer_binding_size
+}
+
+/// Room to grow by half before the next allocation.
+fn with_room(draws: u64) -> u64 {
+    draws + draws / 2
+}
+
 /// Buffers for one draw and one count per (light view, instance); old ones are kept while they are large enough.
 fn sized_buffers(device: &RenderDevice, old: Option<(Buffer, Buffer)>, draws: u64) -> (Buffer, Buffer) {
     match old {
@@ -168,8 +179,7 @@ fn sized_buffers(device: &RenderDevice, old: Option<(Buffer, Buffer)>, draws: u6
             (arguments, counts)
         }
         _ => {
-            // Room to grow by half before the next allocation.
-            let draws = draws + draws / 2;
+            let draws = with_room(draws);
             let create = |label, size| {
                 device.create_buffer(&BufferDescriptor {
                     label: Some(label),

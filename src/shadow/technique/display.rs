@@ -127,7 +127,18 @@ mod tests {
             fallback_map in any::<bool>(),
             count in Just(count),
         ) -> SunShadows {
-            SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, distance, near, fallback_map }
+            let full = SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, distance, near, fallback_map };
+            match path {
+                ShadowPath::Full => full,
+                // What only the full path does keeps its default, and Bevy draws maps of powers of two.
+                ShadowPath::DropIn => SunShadows {
+                    map_size: map_size.next_power_of_two(),
+                    selection: SunShadows::HIGH.selection,
+                    filter: SunShadows::HIGH.filter,
+                    fallback_map: SunShadows::HIGH.fallback_map,
+                    ..full
+                },
+            }
         }
     }
 

@@ -187,6 +187,11 @@ impl<'a> Pairs<'a> {
         Ok(Self(pairs))
     }
 
+    /// Whether a key was given.
+    fn has(&self, name: &str) -> bool {
+        self.0.iter().any(|(key, _)| *key == name)
+    }
+
     /// The value of a key, if it was given, as `parse` reads it; `None` from `parse` is a wrong value.
     fn read<T>(&self, name: &str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>, TechniqueError> {
         let Some(&(key, value)) = self.0.iter().find(|(key, _)| *key == name) else {
@@ -231,6 +236,9 @@ fn split_list(text: &str) -> Option<Vec<f32>> {
     splits.is_sorted_by(|a, b| a < b).then_some(splits)
 }
 
+/// Keys of what only the full path does.
+const FULL_PATH_KEYS: [&str; 3] = ["select", "filter", "fallback"];
+
 fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, TechniqueError> {
     let mut settings = defaults(count, warp);
     if let Some(path) = pairs.read("path", |text| match text {
@@ -246,13 +254,25 @@ fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, Tech
             SunShadows::MAX_DROP_IN_PARTITIONS
         )));
     }
+    if settings.path == ShadowPath::DropIn
+        && let Some(key) = FULL_PATH_KEYS.into_iter().find(|key| pairs.has(key))
+    {
+        return Err(TechniqueError::Together(format!(
+            "`{key}=` means nothing with `path=dropin`, where Bevy looks shadows up"
+        )));
+    }
     if let Some(size) = pairs.read("size", |text| {
-        text.parse().ok().filter(|size| (16..=8192).contains(size))
+        text.parse::<u32>().ok().filter(|size| (16..=8192).contains(size))
     })? {
         let largest = MAX_ATLAS / cells_per_side(count);
         if size > largest {
             return Err(TechniqueError::Together(format!(
                 "`size={size}` is too large for {count} maps: at most {largest}"
+            )));
+        }
+        if settings.path == ShadowPath::DropIn && !size.is_power_of_two() {
+            return Err(TechniqueError::Together(format!(
+                "`path=dropin` needs a power of two as size, not {size}: Bevy draws no other maps"
             )));
         }
         settings.map_size = size;
@@ -422,16 +442,16 @@ mod tests {
     #[test]
     fn keys_reach_their_settings() {
         let all = settings(
-            "zp3+free:path=dropin,size=512,splits=10/30.5,select=depth,filter=hard,bias_m=0.2,near=1.5,distance=300,eta=-0.25,fallback=off",
+            "zp3+free:path=full,size=500,splits=10/30.5,select=depth,filter=hard,bias_m=0.2,near=1.5,distance=300,eta=-0.25,fallback=off",
         );
         let expected = SunShadows {
-            path: ShadowPath::DropIn,
+            path: ShadowPath::Full,
             partitions: Partitions {
                 count: 3,
                 scheme: SplitScheme::Manual(vec![10.0, 30.5]),
             },
             warp: Warp::Free { eta: -0.25 },
-            map_size: 512,
+            map_size: 500,
             selection: PartitionSelection::Depth,
             filter: ShadowFilter::Hard,
             bias: ShadowBias::Constant { metres: 0.2 },
@@ -440,6 +460,7 @@ mod tests {
             fallback_map: false,
         };
         assert_eq!(all, expected);
+        assert_eq!(settings("zp4:path=dropin").path, ShadowPath::DropIn);
         assert_eq!(settings("zp4:split=log").partitions.scheme, SplitScheme::Logarithmic);
         assert_eq!(
             settings("zp4:lambda=0.3").partitions.scheme,
@@ -473,6 +494,10 @@ mod tests {
             ("zp4:size", &["`size=`"]),
             ("zp4:size=256,size=512", &["twice"]),
             ("zp8:path=dropin", &["at most 4"]),
+            ("zp4:path=dropin,filter=hard", &["`filter=`", "path=dropin"]),
+            ("zp4:path=dropin,select=depth", &["`select=`"]),
+            ("lispsm:path=dropin,fallback=off", &["`fallback=`"]),
+            ("zp4:path=dropin,size=1000", &["power of two", "1000"]),
             ("zp4:lambda=nan", &["`lambda=nan`", "0..=1"]),
             ("zp4:split=log,lambda=0.5", &["split=practical"]),
             ("zp4:split=manual", &["`splits=` with 3"]),
