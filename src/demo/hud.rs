@@ -88,7 +88,14 @@ fn write_technique(chosen: Res<Chosen>, mut hud: ResMut<HudText>) {
         Technique::Umbrage(settings) => Setting::ALL
             .iter()
             .zip(1..)
-            .map(|(setting, key)| format!("{key}  {:<10}  {}", setting.name(), setting.value(settings)))
+            .map(|(setting, key)| {
+                let value = if setting.applies_to(settings) {
+                    setting.value(settings)
+                } else {
+                    "Bevy's".to_owned()
+                };
+                format!("{key}  {:<10}  {value}", setting.name())
+            })
             .chain(["T: next technique   F1: help".to_owned()])
             .collect::<Vec<_>>()
             .join("\n"),

@@ -141,8 +141,13 @@ impl Setting {
         }
     }
 
+    /// False where the setting means nothing on the chosen path.
+    pub fn applies_to(self, settings: &SunShadows) -> bool {
+        settings.path == ShadowPath::Full || !matches!(self, Self::Selection | Self::Filter)
+    }
+
     /// Steps to the next value, or back; a value that is not in the list goes to its first. The drop-in path keeps
-    /// at most [`SunShadows::MAX_DROP_IN_PARTITIONS`] partitions.
+    /// at most [`SunShadows::MAX_DROP_IN_PARTITIONS`] partitions, and warps no stronger than `LiSPSM`.
     pub fn step(self, settings: &mut SunShadows, back: bool) {
         let partitions = &mut settings.partitions;
         match self {
@@ -155,6 +160,12 @@ impl Setting {
             Self::Bias => settings.bias = neighbor(BIASES, &settings.bias, back),
             Self::Path => settings.path = neighbor(PATHS, &settings.path, back),
             Self::Distance => settings.distance = neighbor(DISTANCES, &settings.distance, back),
+        }
+        if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
+            settings.warp = match (self, back) {
+                (Self::Warp, true) => neighbor(WARPS, &settings.warp, true),
+                _ => Warp::Lispsm,
+            };
         }
         let count = &mut settings.partitions.count;
         if settings.path == ShadowPath::DropIn && *count > SunShadows::MAX_DROP_IN_PARTITIONS {
@@ -204,8 +215,12 @@ fn switch_setting(intent: Res<Intent>, mut chosen: ResMut<Chosen>, mut notice: R
         return;
     };
     if let Technique::Umbrage(settings) = &mut chosen.0 {
-        setting.step(settings, back);
-        notice.show(format!("{}: {}", setting.name(), setting.value(settings)));
+        if setting.applies_to(settings) {
+            setting.step(settings, back);
+            notice.show(format!("{}: {}", setting.name(), setting.value(settings)));
+        } else {
+            notice.show(format!("{} means nothing on the drop-in path", setting.name()));
+        }
     } else {
         notice.show("Bevy's stock cascades have no settings here: press T for the next technique");
     }
@@ -258,6 +273,33 @@ mod tests {
         assert_eq!(settings.partitions.count, 1, "four is followed by one");
         Setting::Partitions.step(&mut settings, true);
         assert_eq!(settings.partitions.count, 4, "one is preceded by four");
+    }
+
+    #[test]
+    fn drop_in_never_warps_more_than_lispsm() {
+        let mut settings = SunShadows {
+            warp: Warp::Psm,
+            ..Default::default()
+        };
+        Setting::Path.step(&mut settings, false);
+        assert_eq!((settings.path, settings.warp), (ShadowPath::DropIn, Warp::Lispsm));
+        for back in [false, true] {
+            let mut seen = Vec::new();
+            for _ in 0..WARPS.len() {
+                Setting::Warp.step(&mut settings, back);
+                assert!(settings.warp.eta() <= 0.0, "{:?}", settings.warp);
+                seen.push(settings.warp);
+            }
+            assert!(seen.contains(&Warp::Uniform), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn drop_in_has_no_filter_of_its_own() {
+        let mut settings = SunShadows::default();
+        assert!(Setting::ALL.iter().all(|setting| setting.applies_to(&settings)));
+        settings.path = ShadowPath::DropIn;
+        assert!(!Setting::Filter.applies_to(&settings) && !Setting::Selection.applies_to(&settings));
     }
 
     #[test]

@@ -78,9 +78,6 @@ pub struct FitInput<'a> {
     pub guard_texels: f64,
     /// Metres left free around the receivers, for lookups that move the receiver before they project it.
     pub guard_metres: f64,
-    /// Largest ratio between the texel sides at the far and the near end of the map, across the warp axis (along the axis
-    /// the ratio is the square). More than 1; infinite: no limit. For lookups whose bias cannot follow the local texel.
-    pub largest_texel_ratio: f64,
 }
 
 /// Why there is no light view.
@@ -128,12 +125,16 @@ pub struct LightFit {
     pub axes: LightAxes,
     /// n': distance from the projection centre to the near side of the warp frustum, in metres. Infinite: uniform.
     pub warp_near: f64,
-    /// The strength that was used, after guard and limit: −1 uniform, 0 `LiSPSM`, 1 `PSM`.
+    /// The strength that was used, after the guard: −1 uniform, 0 `LiSPSM`, 1 `PSM`.
     pub eta: f64,
     /// Mean side of a texel at the middle of B, in metres in the light plane.
     pub texel_size: f64,
-    /// The largest side of a texel, at the far end of the warp, in metres.
-    pub largest_texel_size: f64,
+    /// The larger side of a texel at the near end of the warp, in metres.
+    pub near_texel_size: f64,
+    /// The larger side of a texel divided by its clip-space w, in metres, where w is the geometric mean of its values at
+    /// both ends of the map (1 at the near end). Across the warp axis a texel is w times as wide as at the near end, along
+    /// it w² times as long.
+    pub relative_texel_size: f64,
     /// Depth per metre along the light, times w: at a point with clip-space w, one metre towards the light raises the
     /// depth by `depth_per_metre / w`.
     pub depth_per_metre: f64,
@@ -166,7 +167,11 @@ impl LightFit {
 /// Fits a light view: align light space with the view, warp, focus on the bodies (Stingl, sections 3.1.2 and 3.2.1).
 ///
 /// The projection centre is the continuous one of Stingl, section 4.1: beside the point of the view axis at the depth of
-/// the nearest point of LVS. The guard of [`guarded_eta`] weakens the warp where it would do harm. Bodies that are flat
+/// the nearest point of LVS. It has that point's light-space z too. The papers leave z open, since texels do not depend on
+/// it, but depths do: they are (z − z_c) ÷ w, and a step dy along the warp axis on a surface with slope m changes them by
+/// (m − (z − z_c) ÷ (n' + y)) dy ÷ w. With z_c at the viewer the second term is the slope of a line from about the eye to
+/// the surface, which the view frustum bounds; with z_c in the middle of B, tens of metres above the receivers, it would
+/// demand many times the bias. The guard of [`guarded_eta`] weakens the warp where it would do harm. Bodies that are flat
 /// along an axis are padded. All of B lies inside the clip box, with `guard_texels` to spare in x and y, and in depth with
 /// two local texels (in world space) on both sides.
 pub fn fit_light_view(input: &FitInput) -> Fit {
@@ -178,11 +183,7 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
             _ => {}
         }
     }
-    if !input.light_travel.is_finite()
-        || input.guard_texels.is_nan()
-        || input.guard_metres.is_nan()
-        || input.largest_texel_ratio.is_nan()
-    {
+    if !input.light_travel.is_finite() || input.guard_texels.is_nan() || input.guard_metres.is_nan() {
         return Fit::Degenerate(Unfit::NotFinite);
     }
     let Some(axes) = LightAxes::new(input.view.forward(), input.view.up(), input.light_travel) else {
@@ -190,11 +191,11 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
     };
     let near_depth = nearest_depth(input.visible, input.view);
     let center = axes.coordinates(input.view.eye() + input.view.forward() * near_depth);
-    let bodies = Bodies::new(input, &axes, center.x);
-    let warp = bodies.warp(input, &axes, near_depth, center.x);
+    let bodies = Bodies::new(input, &axes, center);
+    let warp = bodies.warp(input, &axes, near_depth);
     let focus = Focus::new(input, &bodies, &warp);
 
-    let origin = axes.x * center.x + axes.y * bodies.start + axes.z * bodies.depth_center;
+    let origin = axes.x * center.x + axes.y * bodies.start + axes.z * center.z;
     let rotation = DMat3::from_cols(axes.x, axes.y, axes.z);
     let world_from_light = DMat4::from_mat3_translation(rotation, origin);
     let light_from_world = DMat4::from_mat3_translation(rotation.transpose(), -(rotation.transpose() * origin));
@@ -211,7 +212,8 @@ pub fn fit_light_view(input: &FitInput) -> Fit {
         warp_near: warp.near,
         eta: warp.eta,
         texel_size: focus.texel_size,
-        largest_texel_size: focus.largest_texel_size,
+        near_texel_size: focus.near_texel_size,
+        relative_texel_size: focus.relative_texel_size,
         depth_per_metre: focus.depth_per_metre,
     })
 }
@@ -222,8 +224,8 @@ struct Bodies {
     body: Vec<DVec3>,
     /// Light-space y of the near end, in the axes' coordinates.
     start: f64,
-    /// Light-space z of the middle of B, in the axes' coordinates.
-    depth_center: f64,
+    /// The point beside which the projection centre lies, in the axes' coordinates.
+    center: DVec3,
     /// d: extent along the warp axis.
     extent: f64,
     /// Lengths below this count as zero and are padded to it.
@@ -231,7 +233,7 @@ struct Bodies {
 }
 
 impl Bodies {
-    fn new(input: &FitInput, axes: &LightAxes, across_center: f64) -> Self {
+    fn new(input: &FitInput, axes: &LightAxes, center: DVec3) -> Self {
         let guard = Bounds::new(DVec3::ZERO, DVec3::ZERO).expanded(input.guard_metres.max(0.0));
         let corners = guard.corners();
         let offsets = if input.guard_metres > 0.0 {
@@ -251,21 +253,20 @@ impl Bodies {
         let extent = bounds.size().y;
         let padding = (smallest - extent).max(0.0) * 0.5;
         let start = bounds.min.y - padding;
-        let depth_center = bounds.center().z;
         for point in visible.iter_mut().chain(&mut body) {
-            *point -= DVec3::new(across_center, start, depth_center);
+            *point -= DVec3::new(center.x, start, center.z);
         }
         Self {
             visible,
             body,
             start,
-            depth_center,
+            center,
             extent: extent.max(smallest),
             smallest,
         }
     }
 
-    fn warp(&self, input: &FitInput, axes: &LightAxes, near_depth: f64, across_center: f64) -> ChosenWarp {
+    fn warp(&self, input: &FitInput, axes: &LightAxes, near_depth: f64) -> ChosenWarp {
         if input.view.is_orthographic() || self.extent <= self.smallest {
             return ChosenWarp::UNIFORM;
         }
@@ -276,21 +277,15 @@ impl Bodies {
             .vertices()
             .iter()
             .map(|vertex| LightSample {
-                across: axes.x.dot(*vertex) - across_center,
+                across: axes.x.dot(*vertex) - self.center.x,
                 along: axes.y.dot(*vertex),
                 depth: input.view.depth(*vertex).max(near_depth),
             })
             .collect();
         let eta = guarded_eta(input.warp.eta(), &samples, &span);
-        let wanted = span.warp_near(eta);
-        let near = wanted.max(self.extent / (input.largest_texel_ratio - 1.0).max(0.0));
-        if near == f64::INFINITY {
-            ChosenWarp::UNIFORM
-        } else if near == wanted {
-            ChosenWarp { near, eta }
-        } else {
-            let eta = span.eta(near);
-            ChosenWarp { near, eta }
+        match span.warp_near(eta) {
+            f64::INFINITY => ChosenWarp::UNIFORM,
+            near => ChosenWarp { near, eta },
         }
     }
 }
@@ -317,7 +312,8 @@ impl ChosenWarp {
 struct Focus {
     clip_from_light: DMat4,
     texel_size: f64,
-    largest_texel_size: f64,
+    near_texel_size: f64,
+    relative_texel_size: f64,
     depth_per_metre: f64,
 }
 
@@ -344,7 +340,7 @@ impl Focus {
                 width * width / (map_size * inner * (1.0 / bodies.extent + bend)),
             )
         };
-        let largest_texel_size = texel_sides(warp.width(bodies.extent)).max_element();
+        let near_sides = texel_sides(1.0);
         let middle = bodies.body.iter().map(|point| point.y).sum::<f64>() / bodies.body.len() as f64;
         let texel_size = texel_sides(warp.width(middle)).element_product().sqrt();
 
@@ -363,7 +359,8 @@ impl Focus {
         Self {
             clip_from_light: rows.transpose(),
             texel_size,
-            largest_texel_size,
+            near_texel_size: near_sides.max_element(),
+            relative_texel_size: near_sides.x.max(near_sides.y * warp.width(bodies.extent).sqrt()),
             depth_per_metre,
         }
     }

@@ -14,7 +14,9 @@
 //!             Bevy's main pass, forward or deferred, any material, reads the layer
 //! ```
 //!
-//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`] and [`mask`].
+//! Suns on the drop-in path only get their casters biased ([`drop_in`]).
+//!
+//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`drop_in`] and [`mask`].
 
 pub mod apply;
 pub mod atlas;
@@ -23,6 +25,7 @@ pub mod camera;
 pub mod capabilities;
 pub mod capture;
 pub mod caster;
+pub mod drop_in;
 pub mod extract;
 pub mod gpu_types;
 pub mod mask;
@@ -41,7 +44,7 @@ use bevy::{
 /// | member | what it does |
 /// |---|---|
 /// | [`ShadowPlugin`](crate::shadow::ShadowPlugin) | scene bounds, light views, the drop-in path, gizmos |
-/// | [`RenderPlugin`] | the full path: caster phase, atlas, apply pass, bridge into Bevy's lighting |
+/// | [`RenderPlugin`] | the full path: caster phase, atlas, apply pass, bridge into Bevy's lighting; the drop-in path's bias of casters |
 pub struct UmbragePlugins;
 
 impl PluginGroup for UmbragePlugins {
@@ -76,6 +79,7 @@ impl Plugin for RenderPlugin {
             bridge::BridgePlugin,
             caster::CasterPlugin,
             apply::ApplyPlugin,
+            drop_in::DropInPlugin,
         ));
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -34,6 +34,11 @@ pub enum Correction {
     /// `warp`.
     #[error("SunShadows::warp: eta must be -1 to 1: the nearest is used, -1 for NaN")]
     Eta,
+    /// `warp` on the drop-in path.
+    #[error(
+        "SunShadows::warp must not be stronger than LiSPSM on the drop-in path, because Bevy's bias cannot follow its texels: LiSPSM is used"
+    )]
+    DropInWarp,
     /// `bias`.
     #[error("SunShadows::bias must be a finite number, 0 or more: 0 is used")]
     Bias,
@@ -83,6 +88,10 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
     {
         *eta = if eta.is_nan() { -1.0 } else { eta.clamp(-1.0, 1.0) };
         corrections.push(Correction::Eta);
+    }
+    if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
+        settings.warp = Warp::Lispsm;
+        corrections.push(Correction::DropInWarp);
     }
     let is_size = |value: f32| value.is_finite() && value >= 0.0;
     if let ShadowBias::Constant { metres: bias } | ShadowBias::Footprint { scale: bias } = &mut settings.bias
@@ -145,11 +154,11 @@ mod tests {
         let (right, corrections) = checked(&wrong);
         assert_eq!(right.partitions.count, 4);
         assert_eq!(right.partitions.scheme, SplitScheme::Practical { lambda: 0.5 });
-        assert_eq!(right.warp, Warp::Free { eta: 1.0 });
+        assert_eq!(right.warp, Warp::Lispsm);
         assert_eq!(right.map_size, 1024);
         assert_eq!(right.bias, ShadowBias::Footprint { scale: 0.0 });
         assert_eq!((right.distance, right.near), (None, None));
-        assert_eq!(corrections.len(), 7, "{corrections:?}");
+        assert_eq!(corrections.len(), 8, "{corrections:?}");
         assert_eq!(checked(&right).1, Vec::new(), "corrected settings are right");
     }
 

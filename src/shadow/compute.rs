@@ -85,9 +85,19 @@ impl Fitter<'_> {
             split_frustum: slice.corners(slice.near(), slice.far()).map(|corner| corner.as_vec3()),
             body,
             light_view: match fit {
-                Some(fit) => light_view(&fit, slice),
+                Some(fit) => LightView {
+                    caster_depth_bias: self.caster_depth_bias(&fit),
+                    ..light_view(&fit, slice)
+                },
                 None => empty_light_view(slice),
             },
+        }
+    }
+
+    fn caster_depth_bias(&self, fit: &LightFit) -> f32 {
+        match self.settings.path {
+            ShadowPath::Full => 0.0,
+            ShadowPath::DropIn => drop_in::caster_depth_bias(fit, self.settings.bias, self.light_travel) as f32,
         }
     }
 
@@ -104,7 +114,6 @@ impl Fitter<'_> {
             map_size: self.settings.map_size,
             guard_texels: GUARD_TEXELS,
             guard_metres: 0.0,
-            largest_texel_ratio: f64::INFINITY,
         };
         let fit = match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),
@@ -120,7 +129,8 @@ fn light_view(fit: &LightFit, slice: &ViewVolume) -> LightView {
         world_from_light: fit.world_from_light_f32(),
         clip_from_light: fit.clip_from_light_f32(),
         texel_size: fit.texel_size as f32,
-        largest_texel_size: fit.largest_texel_size as f32,
+        near_texel_size: fit.near_texel_size as f32,
+        caster_depth_bias: 0.0,
         near_depth: slice.near() as f32,
         far_depth: slice.far() as f32,
     }
@@ -134,7 +144,8 @@ fn empty_light_view(slice: &ViewVolume) -> LightView {
         world_from_light: nowhere.world_from_cascade,
         clip_from_light: nowhere.clip_from_cascade,
         texel_size: nowhere.texel_size,
-        largest_texel_size: nowhere.texel_size,
+        near_texel_size: nowhere.texel_size,
+        caster_depth_bias: 0.0,
         near_depth: slice.near() as f32,
         far_depth: slice.far() as f32,
     }

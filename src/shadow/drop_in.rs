@@ -3,15 +3,27 @@
 //! Bevy picks a cascade by view depth, so slices and cascades coincide without overlap. The whole warp is put into
 //! `clip_from_cascade`; `world_from_cascade` stays rigid, as Bevy's code demands.
 //!
-//! **Bias.** Bevy moves a receiver along its normal by a multiple of one texel size per cascade before it looks it up,
-//! but the texels of a warped map grow from its near end to its far end. The largest texel is what a cascade reports:
-//! then the far end has no acne, and nearer receivers are moved by as much as the far ones, more than they need. So that
-//! this does not eat the shadows near the eye, the warp is limited: texels at the far end are at most two and a half
-//! times as wide as at the near end. Bevy's constant bias, which would detach shadows near the eye, is set to a
-//! millimetre. The maps are fitted with that much room around the receivers, so that a moved receiver never leaves its
-//! map. The full path has none of these limits.
+//! **Bias.** Bevy's lookup moves a receiver along its normal and towards the light by lengths that are the same for a
+//! whole cascade, but the texels of a warped map grow from its near end to its far end: lengths that suffice at the far
+//! end eat the shadows near the eye. So most of the bias sits on the other side of the comparison. Casters are drawn with
+//! a matrix that takes a constant from their depth *after* the division by w; a metre along the light is
+//! `depth_per_metre ÷ w` of depth and a texel is about `relative_texel_size · w` metres wide, so this constant is about the
+//! same number of local texels everywhere in the map ([`LightView::caster_depth_bias`]; the render room puts it into the views of
+//! Bevy's shadow passes, [`render::drop_in`](crate::render::drop_in)).
+//!
+//! On a surface whose normal is at the angle θ to the light, a filter that reads r texels around a point needs a bias of
+//! r · tan θ texels along the light. The number of texels is chosen for level ground, where tan θ is the cotangent of the
+//! sun's elevation, and limited. Steeper surfaces are helped by Bevy's normal bias n, which is worth n ÷ cos θ: it is
+//! measured in the smallest texels of the map, so near the eye it is small too.
+//!
+//! A texel is `w²` times as long as at the near end along the warp axis, and `w` times as wide. With `LiSPSM` the length
+//! stays below a few widths, which the constants cover; stronger warps would need a bias that is too much across the axis
+//! where it suffices along it: they are refused. The full path has none of these limits.
 
-use bevy::light::{CascadeShadowConfig, Cascades, cascade::Cascade};
+use bevy::{
+    light::{CascadeShadowConfig, Cascades, cascade::Cascade},
+    math::DVec3,
+};
 
 use super::{
     full::mask_cascade,
@@ -23,15 +35,20 @@ use crate::maths::fit::{FitInput, LightFit, fit_light_view};
 /// Texels that Bevy's widest filter (a Gaussian over 5×5) reads beyond a point, and one for rounding.
 const GUARD_TEXELS: f64 = 4.0;
 
-/// Normal bias in texels before Bevy multiplies it by √2: less than Bevy's default, because the texel size that is
-/// reported is the largest.
-const NORMAL_BIAS: f32 = 1.3;
-
-/// Limit of the warp where there is a normal bias: texels at the far end over texels at the near end.
-const LARGEST_TEXEL_RATIO: f64 = 2.5;
+/// Normal bias in near texels, before Bevy multiplies it by √2.
+const NORMAL_BIAS: f32 = 0.4;
 
 /// Constant bias in metres: covers rounding of depths.
 const DEPTH_BIAS: f32 = 0.001;
+
+/// Bias of casters in local texels under a sun overhead.
+const CASTER_TEXELS: f64 = 5.5;
+
+/// What is added per unit of the cotangent of the sun's elevation.
+const CASTER_TEXELS_PER_COTANGENT: f64 = 0.75;
+
+/// Limit of the sum: beyond it, shadows would leave what casts them.
+const MOST_CASTER_TEXELS: f64 = 9.0;
 
 /// Bevy's `shadow_depth_bias` (metres) and `shadow_normal_bias` (texels) for a setting.
 pub fn biases(bias: ShadowBias) -> (f32, f32) {
@@ -42,6 +59,22 @@ pub fn biases(bias: ShadowBias) -> (f32, f32) {
     }
 }
 
+/// How far casters are moved away from the light, in local texels, for a direction in which light travels.
+pub fn caster_texels(bias: ShadowBias, light_travel: DVec3) -> f64 {
+    let ShadowBias::Footprint { scale } = bias else {
+        return 0.0;
+    };
+    let cotangent = light_travel.with_y(0.0).length() / light_travel.y.abs();
+    let texels = CASTER_TEXELS + CASTER_TEXELS_PER_COTANGENT * cotangent;
+    // A sun on the horizon has an infinite cotangent.
+    texels.min(MOST_CASTER_TEXELS) * f64::from(scale)
+}
+
+/// [`LightView::caster_depth_bias`] of a fit.
+pub(super) fn caster_depth_bias(fit: &LightFit, bias: ShadowBias, light_travel: DVec3) -> f64 {
+    caster_texels(bias, light_travel) * fit.relative_texel_size * fit.depth_per_metre
+}
+
 /// Fits a light view with room for Bevy's filter and normal bias.
 pub(super) fn fit(input: FitInput, bias: ShadowBias) -> Option<LightFit> {
     let (_, normal_bias) = biases(bias);
@@ -49,22 +82,14 @@ pub(super) fn fit(input: FitInput, bias: ShadowBias) -> Option<LightFit> {
         guard_texels: GUARD_TEXELS,
         ..input
     };
+    let first = fit_light_view(&input).fitted()?;
     if normal_bias == 0.0 {
-        return fit_light_view(&input).fitted();
+        return Some(first);
     }
-    let limited = FitInput {
-        largest_texel_ratio: LARGEST_TEXEL_RATIO,
-        ..input
-    };
-    let first = fit_light_view(&limited).fitted()?;
-    let moved_by = f64::from(normal_bias) * std::f64::consts::SQRT_2 * first.largest_texel_size;
+    let moved_by = f64::from(normal_bias) * std::f64::consts::SQRT_2 * first.near_texel_size;
     // The room itself makes texels a little larger.
     let guard_metres = moved_by * 1.1;
-    fit_light_view(&FitInput {
-        guard_metres,
-        ..limited
-    })
-    .fitted()
+    fit_light_view(&FitInput { guard_metres, ..input }).fitted()
 }
 
 /// A light view as one of Bevy's cascades.
@@ -73,7 +98,7 @@ pub fn cascade(light_view: &LightView) -> Cascade {
         world_from_cascade: light_view.world_from_light,
         clip_from_cascade: light_view.clip_from_light,
         clip_from_world: light_view.clip_from_world,
-        texel_size: light_view.largest_texel_size,
+        texel_size: light_view.near_texel_size,
     }
 }
 

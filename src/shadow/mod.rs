@@ -27,7 +27,7 @@ pub mod views;
 
 /// Computes the light views of all suns with [`SunShadows`](settings::SunShadows) and hands them to Bevy's cascades.
 ///
-/// Enough by itself for the drop-in path; the full path needs the render room too. Needs Bevy's `LightPlugin`,
+/// The drop-in path's bias of casters and the full path need the render room too. Needs Bevy's `LightPlugin`,
 /// `CameraPlugin` and `TransformPlugin`, which `DefaultPlugins` contain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadowPlugin;

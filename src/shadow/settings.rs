@@ -15,14 +15,15 @@ pub struct SunShadows {
     pub path: ShadowPath,
     /// Number of z-partitions and where they are split.
     pub partitions: Partitions,
-    /// The perspective warp of every partition.
+    /// The perspective warp of every partition. On the drop-in path none stronger than `LiSPSM`.
     pub warp: Warp,
     /// Texels per side of one partition's map. Memory: 4 bytes per texel and partition
     /// (2048²: 16 MiB each). Useful 256..=4096; default 2048, Bevy's own.
     pub map_size: u32,
-    /// Which map a point reads where several cover it.
+    /// Which map a point reads where several cover it. Means nothing on the drop-in path, where Bevy picks by view depth.
     pub selection: PartitionSelection,
-    /// How the depth comparison is filtered.
+    /// How the depth comparison is filtered. Means nothing on the drop-in path, where the camera's
+    /// [`ShadowFilteringMethod`](bevy::light::ShadowFilteringMethod) decides.
     pub filter: ShadowFilter,
     /// How self-shadowing is avoided.
     pub bias: ShadowBias,
@@ -86,9 +87,11 @@ pub enum ShadowBias {
         metres: f32,
     },
     /// Every comparison uses the depth of the receiver's plane at the texel that it reads, and a share of the depth that
-    /// this plane spans over the local texel footprint: needs no tuning at any warp, partition or resolution.
+    /// this plane spans over the local texel footprint: needs no tuning at any warp, partition or resolution. On the
+    /// drop-in path: a number of local texels for casters and of near texels along the receiver's normal.
     Footprint {
-        /// Share of the span, in halves: 1 keeps half a texel's span between a surface and its own shadow.
+        /// Share of the span, in halves: 1 keeps half a texel's span between a surface and its own shadow. On the drop-in
+        /// path a factor on both numbers.
         scale: f32,
     },
 }

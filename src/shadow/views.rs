@@ -14,8 +14,11 @@ pub struct LightView {
     /// Mean side of a texel in metres at the middle of the body (the local value is
     /// `maths::footprint`).
     pub texel_size: f32,
-    /// The largest side of a texel in metres, at the far end of the warp; equal to `texel_size` for square uniform texels.
-    pub largest_texel_size: f32,
+    /// The larger side of a texel in metres at the near end of the warp; equal to `texel_size` for square uniform texels.
+    pub near_texel_size: f32,
+    /// What the drop-in path takes from the depth of every caster, in units of the depth range: the same number of local
+    /// texels everywhere in the map (see [`drop_in`](super::drop_in)). Zero on the full path.
+    pub caster_depth_bias: f32,
     /// View depth interval that this map is meant for, in metres, half open.
     pub near_depth: f32,
     /// End of the interval.

@@ -253,7 +253,8 @@ fn only_the_drop_in_path_touches_bevys_bias() {
         (0.3, 0.0)
     );
     let (depth, normal) = biases(ShadowBias::Footprint { scale: 1.0 }, ShadowPath::DropIn);
-    assert!(depth > 0.0 && depth < DirectionalLight::DEFAULT_SHADOW_DEPTH_BIAS && normal > 1.0);
+    // Most of the bias is on the casters' side (`caster_depth_bias`).
+    assert!(depth > 0.0 && depth < DirectionalLight::DEFAULT_SHADOW_DEPTH_BIAS && normal > 0.0);
     let stock = (
         DirectionalLight::DEFAULT_SHADOW_DEPTH_BIAS,
         DirectionalLight::DEFAULT_SHADOW_NORMAL_BIAS,

@@ -73,7 +73,8 @@ fn the_mean_texel_size_is_the_footprint_in_the_middle() {
     let fit = fit(&view, &huge_scene(), DVec3::NEG_Y, Warp::Uniform);
     let footprint = texel_footprint(&fit.clip_from_world, SIZE, DVec3::NEG_Z * 50.0).expect("in front");
     close(fit.texel_size, footprint.area().sqrt(), 1.0e-6);
-    close(fit.largest_texel_size, footprint.lengths().max_element(), 1.0e-6);
+    close(fit.near_texel_size, footprint.lengths().max_element(), 1.0e-6);
+    close(fit.relative_texel_size, footprint.lengths().max_element(), 1.0e-6);
 }
 
 /// Lloyd, equation 1: the error on a surface is perspective times projection.

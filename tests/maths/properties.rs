@@ -155,12 +155,16 @@ proptest! {
         let (visible, body) = bodies(&view, &scene, light_travel);
         prop_assume!(!visible.is_empty());
         let guard_texels = 2.0;
-        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0, largest_texel_ratio: f64::INFINITY }).fitted();
+        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0 }).fitted();
         prop_assert!(fit.is_some());
         let fit = fit.unwrap();
         prop_assert!(fit.clip_from_light.determinant() > 0.0, "mirrored");
         prop_assert!((fit.world_from_light.determinant() - 1.0).abs() < 1.0e-9, "not rigid");
         let towards_light = -light_travel.normalize();
+        let along_axis = |vertex: &DVec3| fit.axes.y.dot(*vertex);
+        let ends = body.vertices().iter().chain(visible.vertices()).map(along_axis);
+        let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), y| (first.min(y), last.max(y)));
+        let extent = last - first;
         let inner = 1.0 - guard_texels * 2.0 / 512.0 + 1.0e-6;
         for vertex in visible.vertices().iter().chain(body.vertices()) {
             let clip = fit.clip_from_world * vertex.extend(1.0);
@@ -173,8 +177,12 @@ proptest! {
             prop_assert!(moved.z > ndc.z, "depth falls towards the light");
             let footprint = texel_footprint(&fit.clip_from_world, UVec2::splat(512), *vertex);
             prop_assert!(footprint.is_some_and(|footprint| footprint.area() > 0.0));
-            let sides = footprint.map(|footprint| footprint.across.length().max(footprint.along.dot(fit.axes.y))).unwrap_or(f64::NAN);
-            prop_assert!(sides <= fit.largest_texel_size * (1.0 + 1.0e-6), "a texel of {sides} m");
+            let (across, along) = footprint.map(|footprint| (footprint.across.length(), footprint.along.dot(fit.axes.y))).unwrap_or((f64::NAN, f64::NAN));
+            prop_assert!(across <= fit.relative_texel_size * clip.w * (1.0 + 1.0e-6), "a texel {across} m wide at w = {}", clip.w);
+            if clip.w * clip.w <= (1.0 + extent / fit.warp_near).min(1.0e6) {
+                prop_assert!(along <= fit.relative_texel_size * clip.w * (1.0 + 1.0e-6), "a texel {along} m long at w = {}", clip.w);
+            }
+            prop_assert!(across.max(along) >= fit.near_texel_size * (1.0 - 1.0e-6), "a texel of {across} m by {along} m");
         }
         // In single precision everything still lies inside the map.
         let single = fit.clip_from_world_f32();

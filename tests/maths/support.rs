@@ -57,7 +57,6 @@ pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: 
         map_size: 1024,
         guard_texels: 0.0,
         guard_metres: 0.0,
-        largest_texel_ratio: f64::INFINITY,
     })
     .fitted()
     .expect("a proper camera, scene and light")

@@ -21,6 +21,7 @@ use umbrage::{
     render::{
         atlas::{ShadowAtlas, ShadowResult},
         capture::{self, Texels},
+        mask::{MaskPlugin, ShadowMask},
     },
 };
 
@@ -128,6 +129,25 @@ impl Harness {
             double_sided: true,
             ..default()
         })
+    }
+
+    /// Lets the camera draw what it sees of a light's shadows; the mask, row 0 on top: 255 lit, 0 in shadow.
+    pub(crate) fn add_mask(&mut self, light: Entity, size: UVec2) -> Handle<Image> {
+        self.app.add_plugins(MaskPlugin);
+        let [mask, depth, normal] = [
+            ShadowMask::MASK_FORMAT,
+            ShadowMask::DEPTH_FORMAT,
+            ShadowMask::NORMAL_FORMAT,
+        ]
+        .map(|format| capture::readable_target(size.x, size.y, format))
+        .map(|image| self.app.world_mut().resource_mut::<Assets<Image>>().add(image));
+        self.app.world_mut().entity_mut(self.camera).insert(ShadowMask {
+            light,
+            mask: mask.clone(),
+            depth,
+            normal,
+        });
+        mask
     }
 
     /// Reads a texture that a component of the camera's render entity holds.

@@ -9,10 +9,7 @@ use bevy::{
 };
 use umbrage::{
     prelude::*,
-    render::{
-        capture,
-        mask::{MaskPlugin, ShadowMask},
-    },
+    render::capture,
     shadow::views::{LightView, SunViews},
 };
 
@@ -52,7 +49,6 @@ fn overwrite_cascades(light_view: Res<Overwrite>, mut lights: Query<&mut Cascade
 /// The mask (one value per pixel) and the light view of the only map.
 fn mask_of(lookup: Lookup) -> (Vec<u8>, Option<LightView>) {
     let mut harness = Harness::new(SIZE, eye());
-    harness.app.add_plugins(MaskPlugin);
     let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
     let ball = harness.mesh(Sphere::new(1.0).mesh().uv(24, 16));
     let plane = harness.mesh(Plane3d::default().mesh().size(60.0, 60.0));
@@ -92,22 +88,9 @@ fn mask_of(lookup: Lookup) -> (Vec<u8>, Option<LightView>) {
         directional.shadow_depth_bias = BIAS;
         directional.shadow_normal_bias = 0.0;
     }
-    let [mask, depth, normal] = [
-        ShadowMask::MASK_FORMAT,
-        ShadowMask::DEPTH_FORMAT,
-        ShadowMask::NORMAL_FORMAT,
-    ]
-    .map(|format| capture::readable_target(SIZE.x, SIZE.y, format))
-    .map(|image| harness.app.world_mut().resource_mut::<Assets<Image>>().add(image));
-    harness.app.world_mut().entity_mut(harness.camera).insert((
-        ShadowMask {
-            light,
-            mask: mask.clone(),
-            depth,
-            normal,
-        },
-        ShadowFilteringMethod::Hardware2x2,
-    ));
+    let mask = harness.add_mask(light, SIZE);
+    let mut camera = harness.app.world_mut().entity_mut(harness.camera);
+    camera.insert(ShadowFilteringMethod::Hardware2x2);
     harness.start();
     let light_view = full.map(|_| {
         let views = harness.app.world().get::<SunViews>(light).expect("the sun has views");

@@ -116,6 +116,8 @@ pub(super) struct View {
     far_depth: f32,
     /// Mean side of a texel in metres.
     texel_size: f32,
+    /// Taken from the depth of casters on the drop-in path, in units of the depth range.
+    caster_depth_bias: f32,
     /// Column by column.
     clip_from_world: [f32; 16],
 }
@@ -205,6 +207,7 @@ pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Techn
                     near_depth,
                     far_depth: *far_depth,
                     texel_size: cascade.texel_size,
+                    caster_depth_bias: 0.0,
                     clip_from_world: cascade.clip_from_world.to_cols_array(),
                 })
                 .collect()
@@ -218,6 +221,7 @@ pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Techn
                     near_depth: partition.light_view.near_depth,
                     far_depth: partition.light_view.far_depth,
                     texel_size: partition.light_view.texel_size,
+                    caster_depth_bias: partition.light_view.caster_depth_bias,
                     clip_from_world: partition.light_view.clip_from_world.to_cols_array(),
                 })
                 .collect()

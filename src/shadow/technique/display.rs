@@ -130,9 +130,11 @@ mod tests {
             let full = SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, distance, near, fallback_map };
             match path {
                 ShadowPath::Full => full,
-                // What only the full path does keeps its default, and Bevy draws maps of powers of two.
+                // What only the full path does keeps its default, Bevy draws maps of powers of two, and no warp is
+                // stronger than LiSPSM.
                 ShadowPath::DropIn => SunShadows {
                     map_size: map_size.next_power_of_two(),
+                    warp: if full.warp.eta() > Warp::Lispsm.eta() { Warp::Lispsm } else { full.warp },
                     selection: SunShadows::HIGH.selection,
                     filter: SunShadows::HIGH.filter,
                     fallback_map: SunShadows::HIGH.fallback_map,

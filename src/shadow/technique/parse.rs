@@ -279,6 +279,11 @@ fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, Tech
     }
     settings.partitions.scheme = scheme_of(count, settings.partitions.scheme, pairs)?;
     settings.warp = warp_of(warp, pairs)?;
+    if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
+        return Err(TechniqueError::Together(
+            "`path=dropin` takes no warp stronger than lispsm: Bevy's bias cannot follow its texels".to_owned(),
+        ));
+    }
     if let Some(selection) = pairs.read("select", |text| match text {
         "depth" => Some(PartitionSelection::Depth),
         "best" => Some(PartitionSelection::BestResolution),
@@ -497,6 +502,8 @@ mod tests {
             ("zp4:path=dropin,filter=hard", &["`filter=`", "path=dropin"]),
             ("zp4:path=dropin,select=depth", &["`select=`"]),
             ("lispsm:path=dropin,fallback=off", &["`fallback=`"]),
+            ("psm:path=dropin", &["stronger than lispsm"]),
+            ("zp2+free:eta=0.5,path=dropin", &["stronger than lispsm"]),
             ("zp4:path=dropin,size=1000", &["power of two", "1000"]),
             ("zp4:lambda=nan", &["`lambda=nan`", "0..=1"]),
             ("zp4:split=log,lambda=0.5", &["split=practical"]),
