@@ -10,7 +10,7 @@ use bevy::{
         RenderApp,
         render_asset::RenderAssets,
         render_resource::{
-            BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, Origin3d, PollType,
+            Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, Origin3d, PollType,
             TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect, TextureFormat,
             TextureUsages,
         },
@@ -29,8 +29,8 @@ pub enum CaptureError {
     /// The image is not on the GPU (yet): render a frame first.
     #[error("the image is not on the GPU")]
     NotPrepared,
-    /// The texture was made without [`TextureUsages::COPY_SRC`].
-    #[error("the texture was made without the usage COPY_SRC")]
+    /// The texture or buffer was made without the usage `COPY_SRC`.
+    #[error("the texture or buffer was made without the usage COPY_SRC")]
     NotCopyable,
     /// A format without a fixed texel size, such as a compressed one.
     #[error("textures of format {0:?} cannot be read back")]
@@ -160,6 +160,47 @@ pub fn read_texture(render_world: &World, texture: &Texture, layer: u32) -> Resu
         },
     );
     queue.submit([encoder.finish()]);
+    let bytes = map(device, &buffer)?
+        .chunks_exact(padded_row_bytes)
+        .flat_map(|row| &row[..row_bytes as usize])
+        .copied()
+        .collect();
+    Ok(Texels {
+        width,
+        height,
+        format,
+        bytes,
+    })
+}
+
+/// Reads a whole buffer. Waits for the GPU.
+///
+/// # Errors
+/// The buffer lacks `COPY_SRC`.
+pub fn read_buffer(render_world: &World, source: &Buffer) -> Result<Vec<u8>, CaptureError> {
+    let (Some(device), Some(queue)) = (
+        render_world.get_resource::<RenderDevice>(),
+        render_world.get_resource::<RenderQueue>(),
+    ) else {
+        return Err(CaptureError::NoRenderer);
+    };
+    if !source.usage().contains(BufferUsages::COPY_SRC) {
+        return Err(CaptureError::NotCopyable);
+    }
+    let buffer = device.create_buffer(&BufferDescriptor {
+        label: Some("capture"),
+        size: source.size(),
+        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("capture") });
+    encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, source.size());
+    queue.submit([encoder.finish()]);
+    map(device, &buffer)
+}
+
+/// The bytes of a buffer with `MAP_READ`.
+fn map(device: &RenderDevice, buffer: &Buffer) -> Result<Vec<u8>, CaptureError> {
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.slice(..).map_async(MapMode::Read, move |result| {
         // The receiver lives until the answer is there, or nobody wants it any more.
@@ -172,18 +213,7 @@ pub fn read_texture(render_world: &World, texture: &Texture, layer: u32) -> Resu
         .recv()
         .map_err(|error| CaptureError::Device(error.to_string()))?
         .map_err(|error| CaptureError::Device(error.to_string()))?;
-    let mapped = buffer.slice(..).get_mapped_range();
-    let bytes = mapped
-        .chunks_exact(padded_row_bytes)
-        .flat_map(|row| &row[..row_bytes as usize])
-        .copied()
-        .collect();
-    Ok(Texels {
-        width,
-        height,
-        format,
-        bytes,
-    })
+    Ok(buffer.slice(..).get_mapped_range().to_vec())
 }
 
 /// Waits until the GPU has done everything that was submitted: for timing whole frames.

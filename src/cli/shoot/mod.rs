@@ -11,7 +11,7 @@ use std::{
     time::Duration,
 };
 
-use bevy::prelude::*;
+use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{
@@ -54,7 +54,12 @@ pub(super) fn run_with(
         .map_err(Failure::failed)?;
     pictures::make_folder(&args.out).map_err(Failure::Failed)?;
     let mut app = headless::app(&root).map_err(Failure::failed)?;
-    app.add_plugins((LevelPlugin { assets: root }, UmbragePlugins, MaskPlugin));
+    app.add_plugins((
+        LevelPlugin { assets: root },
+        UmbragePlugins,
+        MaskPlugin,
+        RenderDiagnosticsPlugin,
+    ));
     headless::finish(&mut app);
     let mut session = Session {
         stats: Stats::new(&app),
@@ -205,6 +210,7 @@ impl Session<'_> {
             files: BTreeMap::new(),
             is_still: settled.is_still,
             frame_ms: FrameTimes::new(&settled.seconds),
+            pass_ms: settled.pass_ms,
             casters: stats::count_casters(app),
             maps: stats::maps_of(app, sun, &technique.technique),
             light_views: stats::views_of(app, sun, stage.camera(), &technique.technique),

@@ -1,5 +1,7 @@
 //! One camera before one scene: placing it, aiming the sun, and waiting until the picture stands still.
 
+use std::collections::BTreeMap;
+
 use bevy::{
     camera::{Exposure, RenderTarget},
     core_pipeline::{
@@ -11,6 +13,7 @@ use bevy::{
     render::render_resource::TextureFormat,
 };
 
+use super::stats::{self, PassTimes};
 use crate::{
     cli::{
         Failure,
@@ -55,6 +58,8 @@ pub(super) struct Settled {
     pub(super) texels: Vec<Texels>,
     /// Seconds of each frame after the warm-up.
     pub(super) seconds: Vec<f64>,
+    /// Times of passes in the same frames.
+    pub(super) pass_ms: BTreeMap<String, PassTimes>,
     /// False: it never stood still.
     pub(super) is_still: bool,
 }
@@ -160,6 +165,7 @@ impl Stage {
                 Pipelines::Ready => warm_frames += 1,
             }
             if warm_frames < WARM_UP {
+                stats::forget_pass_times(app);
                 continue;
             }
             seconds.push(time.as_secs_f64());
@@ -172,6 +178,7 @@ impl Stage {
                 return Ok(Settled {
                     texels,
                     seconds,
+                    pass_ms: stats::pass_times(app),
                     is_still: true,
                 });
             }
@@ -180,6 +187,7 @@ impl Stage {
         Ok(Settled {
             texels: before,
             seconds,
+            pass_ms: stats::pass_times(app),
             is_still: false,
         })
     }

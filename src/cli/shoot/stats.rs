@@ -3,16 +3,19 @@
 use std::collections::BTreeMap;
 
 use bevy::{
+    camera::visibility::CascadesVisibleEntities,
+    diagnostic::{Diagnostic, DiagnosticsStore},
     light::{CascadeShadowConfig, Cascades, DirectionalLightShadowMap, NotShadowCaster},
     prelude::*,
     reflect::serde::TypedReflectSerializer,
-    render::renderer::RenderAdapterInfo,
+    render::{RenderApp, renderer::RenderAdapterInfo, sync_world::RenderEntity},
 };
 use serde::Serialize;
 
 use crate::{
     level::shot::Shot,
-    shadow::{settings::ShadowPath, technique::Technique, views::SunViews},
+    render::caster::drawn,
+    shadow::{checked::checked, settings::ShadowPath, technique::Technique, views::SunViews},
 };
 
 /// The file.
@@ -55,6 +58,9 @@ pub(super) struct Take {
     pub(super) is_still: bool,
     /// Whole frames in milliseconds, both worlds and the GPU, from the warm-up on; with the passes that were asked for.
     pub(super) frame_ms: FrameTimes,
+    /// Pass to milliseconds: medians over the same frames, on the GPU where it has timestamps and on the CPU that records
+    /// them.
+    pub(super) pass_ms: BTreeMap<String, PassTimes>,
     /// Entities that cast shadows.
     pub(super) casters: usize,
     /// Shadow maps.
@@ -74,13 +80,56 @@ impl FrameTimes {
     /// From seconds.
     pub(super) fn new(seconds: &[f64]) -> Self {
         let all: Vec<f64> = seconds.iter().map(|seconds| seconds * 1e3).collect();
-        let mut sorted = all.clone();
-        sorted.sort_by(f64::total_cmp);
         Self {
-            median: sorted.get(sorted.len() / 2).copied().unwrap_or(0.0),
+            median: median(all.clone()),
             all,
         }
     }
+}
+
+/// The upper one of two; 0 for none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Times of one pass.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(super) struct PassTimes {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gpu: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cpu: Option<f64>,
+}
+
+/// Forgets the times of passes so far.
+pub(super) fn forget_pass_times(app: &mut App) {
+    if let Some(mut store) = app.world_mut().get_resource_mut::<DiagnosticsStore>() {
+        store.iter_mut().for_each(Diagnostic::clear_history);
+    }
+}
+
+/// The times of passes since they were last forgotten.
+pub(super) fn pass_times(app: &App) -> BTreeMap<String, PassTimes> {
+    let mut passes: BTreeMap<String, PassTimes> = BTreeMap::new();
+    let store = app.world().get_resource::<DiagnosticsStore>();
+    for diagnostic in store.into_iter().flat_map(DiagnosticsStore::iter) {
+        let components: Vec<&str> = diagnostic.path().components().collect();
+        let ["render", names @ .., of] = components.as_slice() else {
+            continue;
+        };
+        if diagnostic.history_len() == 0 || !matches!(*of, "elapsed_gpu" | "elapsed_cpu") {
+            continue;
+        }
+        let times = passes.entry(names.join("/")).or_default();
+        let median = Some(median(diagnostic.values().copied().collect()));
+        if *of == "elapsed_gpu" {
+            times.gpu = median;
+        } else {
+            times.cpu = median;
+        }
+    }
+    passes
 }
 
 /// Memory of shadow maps: 32-bit depth.
@@ -92,18 +141,22 @@ pub(super) struct Maps {
     size: u32,
     /// Texels per side of the fallback map; 0: none.
     fallback_size: u32,
-    /// All of them.
+    /// Texels of all of them: what a frame draws.
+    texels: u64,
+    /// Bytes of all of them.
     bytes: u64,
 }
 
 impl Maps {
     fn new(count: u32, size: u32, fallback_size: u32) -> Self {
         let square = |side: u32| u64::from(side) * u64::from(side);
+        let texels = u64::from(count) * square(size) + square(fallback_size);
         Self {
             count,
             size,
             fallback_size,
-            bytes: (u64::from(count) * square(size) + square(fallback_size)) * size_of::<f32>() as u64,
+            texels,
+            bytes: texels * size_of::<f32>() as u64,
         }
     }
 }
@@ -118,6 +171,8 @@ pub(super) struct View {
     texel_size: f32,
     /// Taken from the depth of casters on the drop-in path, in units of the depth range.
     caster_depth_bias: f32,
+    /// Casters that were drawn into it.
+    casters_drawn: usize,
     /// Column by column.
     clip_from_world: [f32; 16],
 }
@@ -171,6 +226,7 @@ pub(super) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
             Maps::new(count, bevy_size, 0)
         }
         Technique::Umbrage(settings) => {
+            let (settings, _) = checked(settings);
             let has_fallback = settings.path == ShadowPath::Full && settings.fallback_map;
             Maps::new(
                 settings.partitions.count,
@@ -181,9 +237,39 @@ pub(super) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
     }
 }
 
+/// Casters drawn into each light view of a camera in the frame just drawn.
+fn casters_drawn(app: &App, sun: Entity, camera: Entity, technique: &Technique) -> Vec<usize> {
+    let world = app.world();
+    match technique {
+        Technique::Umbrage(settings) if settings.path == ShadowPath::Full => {
+            let (Some(render_app), Some(camera)) = (app.get_sub_app(RenderApp), world.get::<RenderEntity>(camera))
+            else {
+                return Vec::new();
+            };
+            drawn::casters_drawn(render_app.world(), camera.id())
+                .map(|counts| counts.into_iter().map(|count| count as usize).collect())
+                .unwrap_or_default()
+        }
+        // Bevy draws what it finds visible in a cascade.
+        _ => world
+            .get::<CascadesVisibleEntities>(sun)
+            .and_then(|visible| visible.entities.get(&camera))
+            .map(|cascades| cascades.iter().map(|cascade| cascade.entities.len()).collect())
+            .unwrap_or_default(),
+    }
+}
+
 /// The light views of a camera in the frame just drawn.
 pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Technique) -> Vec<View> {
     let world = app.world();
+    let mut views = matrices_of(world, sun, camera, technique);
+    for (view, count) in views.iter_mut().zip(casters_drawn(app, sun, camera, technique)) {
+        view.casters_drawn = count;
+    }
+    views
+}
+
+fn matrices_of(world: &World, sun: Entity, camera: Entity, technique: &Technique) -> Vec<View> {
     match technique {
         Technique::Bevy => {
             let (Some(cascades), Some(config)) = (
@@ -208,6 +294,7 @@ pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Techn
                     far_depth: *far_depth,
                     texel_size: cascade.texel_size,
                     caster_depth_bias: 0.0,
+                    casters_drawn: 0,
                     clip_from_world: cascade.clip_from_world.to_cols_array(),
                 })
                 .collect()
@@ -222,6 +309,7 @@ pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Techn
                     far_depth: partition.light_view.far_depth,
                     texel_size: partition.light_view.texel_size,
                     caster_depth_bias: partition.light_view.caster_depth_bias,
+                    casters_drawn: 0,
                     clip_from_world: partition.light_view.clip_from_world.to_cols_array(),
                 })
                 .collect()

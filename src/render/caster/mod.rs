@@ -10,6 +10,7 @@
 //! 4. [`pass`]: a compute pass writes one indirect draw per (light view, caster); then all light views are drawn.
 
 pub mod bounds;
+pub mod drawn;
 pub mod pass;
 pub mod phase;
 pub mod plan;
