@@ -40,7 +40,9 @@ pub mod prelude {
         maths::{split::SplitScheme, warp::Warp},
         render::UmbragePlugins,
         shadow::{
-            settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+            settings::{
+                PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows, WithoutSunShadows,
+            },
             technique::Technique,
         },
     };

@@ -54,6 +54,8 @@ pub enum Action {
     SunDrag,
     /// The next overlay.
     NextOverlay,
+    /// Show or hide the view from outside.
+    ToggleOutside,
     /// Save a picture.
     Photo,
     /// The next level of the list.
@@ -172,6 +174,7 @@ pub const ROWS: &[Row] = {
         ),
         playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
+        playing("outside view", &[(Key(KeyCode::F5), ToggleOutside)]),
         playing("photo into out/", &[(Key(KeyCode::KeyP), Photo)]),
         playing("next level", &[(Key(KeyCode::KeyN), NextScene)]),
         Row {

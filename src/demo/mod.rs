@@ -16,6 +16,7 @@ pub mod adapter;
 pub mod flight;
 mod hud;
 pub mod input;
+pub mod outside;
 pub mod overlay;
 mod photo;
 pub mod player;
@@ -101,6 +102,7 @@ impl Plugin for DemoPlugin {
                 sun::plugin,
                 technique::plugin,
                 overlay::plugin,
+                outside::plugin,
                 photo::plugin,
                 hud::plugin,
             ));

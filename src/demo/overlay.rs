@@ -1,4 +1,4 @@
-//! Overlays: what the shadow systems computed, as lines in the scene.
+//! Overlays: what the shadow systems computed, as lines in the scene; [`outside`](super::outside) draws them.
 
 use bevy::prelude::*;
 
@@ -64,12 +64,7 @@ impl Overlay {
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Overlay>().add_systems(
         Update,
-        (
-            cycle.run_if(in_state(Activity::Running)),
-            show.run_if(resource_changed::<Overlay>.and_then(resource_exists::<GizmoConfigStore>)),
-        )
-            .chain()
-            .in_set(DemoSystems::Act),
+        cycle.run_if(in_state(Activity::Running)).in_set(DemoSystems::Act),
     );
 }
 
@@ -78,12 +73,6 @@ fn cycle(intent: Res<Intent>, mut overlay: ResMut<Overlay>, mut notice: ResMut<N
         *overlay = overlay.next();
         notice.show(format!("overlay {}", overlay.name()));
     }
-}
-
-fn show(overlay: Res<Overlay>, mut store: ResMut<GizmoConfigStore>) {
-    let (config, gizmos) = store.config_mut::<SunShadowGizmos>();
-    config.enabled = *overlay != Overlay::Off;
-    *gizmos = overlay.gizmos();
 }
 
 #[cfg(test)]

@@ -35,6 +35,7 @@ pub(super) fn player(scene: &LoadedScene, mode: Mode) -> impl Bundle {
             far: 1000.0,
             ..default()
         }),
+        IsDefaultUiCamera,
         // What the full path needs.
         Msaa::Off,
         DepthPrepass,

@@ -37,6 +37,12 @@ pub struct SunShadows {
     pub fallback_map: bool,
 }
 
+/// On a camera that gets no sun shadows of Umbrage's: everything that it sees is lit, and no light view is computed for it.
+/// For views of the whole world, such as maps, where shadows are not worth their time.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+pub struct WithoutSunShadows;
+
 /// How shadows reach the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 pub enum ShadowPath {

@@ -10,7 +10,7 @@ use super::{
     compute::{compute_camera_views, partition_depths, visible_depths},
     drop_in, full,
     scene_bounds::SceneBounds,
-    settings::{ShadowPath, SunShadows},
+    settings::{ShadowPath, SunShadows, WithoutSunShadows},
     stock::{StockSettings, set_biases},
     view_volume::{shadowed_part, view_volume, wide},
     views::SunViews,
@@ -22,7 +22,7 @@ use crate::maths::view::ViewVolume;
 /// On the drop-in path all cameras share their split distances, because Bevy keeps one list per light: the range of
 /// depths is then the union of what they see.
 pub(super) fn update_sun_views(
-    cameras: Query<(Entity, &Camera, &Projection, &GlobalTransform), With<Camera3d>>,
+    cameras: Query<(Entity, &Camera, &Projection, &GlobalTransform), (With<Camera3d>, Without<WithoutSunShadows>)>,
     mut lights: Query<(&DirectionalLight, &GlobalTransform, &SunShadows, &mut SunViews)>,
     scene: Res<SceneBounds>,
     mut known: Local<Vec<Correction>>,

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use umbrage::{
-    demo::{input::ROWS, walker::Mode},
+    demo::{input::ROWS, outside::Outside, walker::Mode},
     shadow::{settings::ShadowPath, technique::Technique},
 };
 
@@ -127,6 +127,38 @@ fn bevy_s_cascades_have_no_settings_and_say_so() {
     game.tap(KeyCode::Digit1);
     assert_eq!(game.technique(), Technique::Bevy);
     assert!(game.hud().notice.contains("no settings"), "{}", game.hud().notice);
+}
+
+#[test]
+fn f5_shows_the_player_from_outside() {
+    let mut game = Game::playing();
+    let cameras = |game: &mut Game| {
+        let world = game.0.world_mut();
+        let mut cameras = world.query_filtered::<(&Camera, &Transform), With<Outside>>();
+        let found: Vec<_> = cameras
+            .iter(world)
+            .map(|(camera, place)| (camera.viewport.clone(), place.translation))
+            .collect();
+        found
+    };
+    assert!(cameras(&mut game).is_empty());
+    game.tap(KeyCode::F5);
+    game.frames(2);
+    let seen = cameras(&mut game);
+    let [(Some(viewport), place)] = seen.as_slice() else {
+        panic!("one camera with a viewport, not {seen:?}");
+    };
+    assert!(
+        viewport.physical_size.x < 1280 && place.y > 50.0,
+        "{viewport:?} {place}"
+    );
+    game.hold(KeyCode::KeyW);
+    game.seconds(1.0);
+    game.release(KeyCode::KeyW);
+    assert_ne!(cameras(&mut game)[0].1, *place, "it follows");
+    game.tap(KeyCode::F5);
+    game.frames(2);
+    assert!(cameras(&mut game).is_empty());
 }
 
 #[test]

@@ -11,11 +11,12 @@ use crate::render::capture::{self, CaptureError};
 /// # Errors
 /// The counts cannot be read back.
 pub fn casters_drawn(render_world: &World, camera_render_entity: Entity) -> Result<Vec<u32>, CaptureError> {
-    let Some((plan, views)) = render_world
-        .get_entity(camera_render_entity)
-        .ok()
-        .and_then(|entity| Some((entity.get::<CasterPlan>()?, entity.get::<super::prepare::CasterViews>()?)))
-    else {
+    let Some((plan, views)) = render_world.get_entity(camera_render_entity).ok().and_then(|entity| {
+        Some((
+            entity.get::<CasterPlan>()?,
+            entity.get::<super::prepare::CasterViews>()?,
+        ))
+    }) else {
         return Ok(Vec::new());
     };
     let light_views = views.light_views.len();
@@ -44,7 +45,10 @@ mod tests {
 
     #[test]
     fn room_to_grow_is_not_counted() {
-        let counts: Vec<u8> = [1, 0, 2, 5, 0, 0, 77, 77_u32].into_iter().flat_map(u32::to_le_bytes).collect();
+        let counts: Vec<u8> = [1, 0, 2, 5, 0, 0, 77, 77_u32]
+            .into_iter()
+            .flat_map(u32::to_le_bytes)
+            .collect();
         assert_eq!(sums_per_view(&counts, 3, 2), [3, 5]);
         assert!(sums_per_view(&counts, 0, 0).is_empty());
     }
