@@ -29,6 +29,8 @@ pub mod drop_in;
 pub mod extract;
 pub mod gpu_types;
 pub mod mask;
+#[cfg(feature = "demo")]
+pub mod reference;
 mod shaders;
 
 use bevy::{

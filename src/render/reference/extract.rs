@@ -1,0 +1,192 @@
+//! The scene that the renderer draws, as a [`TruthScene`].
+
+use std::{collections::HashMap, sync::Arc};
+
+use bevy::{
+    light::NotShadowCaster,
+    math::{Affine3A, Mat4, Vec2, Vec3},
+    mesh::{
+        Indices, PrimitiveTopology, VertexAttributeValues,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
+    prelude::*,
+    render::render_resource::TextureFormat,
+};
+use thiserror::Error;
+
+use super::{
+    mesh::{AlphaMask, TruthMesh},
+    scene::{TruthInstance, TruthScene},
+};
+
+/// What rays cannot be sent through.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum TruthError {
+    /// A mesh whose vertices are on the GPU only.
+    #[error("a mesh is not in main memory: load it with `RenderAssetUsages::MAIN_WORLD`")]
+    MeshNotReadable,
+    /// Anything but triangle lists.
+    #[error("meshes of {0:?} have no truth: only triangle lists do")]
+    Topology(PrimitiveTopology),
+    /// A texture of an alpha-masked material.
+    #[error("the alpha of a texture of format {0:?} cannot be read: only RGBA with 8 bits can, in main memory")]
+    Texture(TextureFormat),
+}
+
+/// Alpha below which Bevy's shadow pass drops the fragments of blended materials.
+const BLEND_CUTOFF: f32 = 0.05;
+
+/// All visible meshes of the main world, skinned ones in the pose of the last transform propagation. Meshes without a
+/// triangle and those that are still being loaded are left out.
+///
+/// # Errors
+/// Something that is drawn cannot be read.
+pub fn truth_scene(world: &mut World) -> Result<TruthScene, TruthError> {
+    let mut drawn = world.query::<(
+        &Mesh3d,
+        &GlobalTransform,
+        &InheritedVisibility,
+        Option<&MeshMaterial3d<StandardMaterial>>,
+        Option<&SkinnedMesh>,
+        Has<NotShadowCaster>,
+    )>();
+    let world = &*world;
+    let (meshes, materials, images) = (
+        world.get_resource::<Assets<Mesh>>(),
+        world.get_resource::<Assets<StandardMaterial>>(),
+        world.get_resource::<Assets<Image>>(),
+    );
+    let mut known_meshes: HashMap<AssetId<Mesh>, Option<Arc<TruthMesh>>> = HashMap::new();
+    let mut known_masks: HashMap<AssetId<StandardMaterial>, Option<Arc<AlphaMask>>> = HashMap::new();
+    let mut instances = Vec::new();
+    for (handle, transform, visibility, material, skin, does_not_cast) in drawn.iter(world) {
+        let Some(mesh) = meshes.and_then(|meshes| meshes.get(&handle.0)) else {
+            continue;
+        };
+        if !visibility.get() {
+            continue;
+        }
+        let pose = skin.and_then(|skin| joints_of(world, skin));
+        let truth_mesh = match (&pose, known_meshes.get(&handle.id())) {
+            (Some(pose), _) => triangles(mesh, Some(pose))?,
+            (None, Some(known)) => known.clone(),
+            (None, None) => {
+                let new = triangles(mesh, None)?;
+                known_meshes.insert(handle.id(), new.clone());
+                new
+            }
+        };
+        let Some(truth_mesh) = truth_mesh else {
+            continue;
+        };
+        let asset = material.and_then(|material| Some((material.id(), materials?.get(&material.0)?)));
+        let alpha = match asset {
+            None => None,
+            Some((id, material)) => match known_masks.get(&id) {
+                Some(known) => known.clone(),
+                None => {
+                    let new = alpha_of(material, images)?.map(Arc::new);
+                    known_masks.insert(id, new.clone());
+                    new
+                }
+            },
+        };
+        instances.push(TruthInstance {
+            mesh: truth_mesh,
+            // Joints place skinned vertices in the world.
+            world_from_local: if pose.is_some() {
+                Affine3A::IDENTITY
+            } else {
+                transform.affine()
+            },
+            alpha,
+            double_sided: asset.is_some_and(|(_, material)| material.cull_mode.is_none()),
+            casts: !does_not_cast,
+        });
+    }
+    Ok(TruthScene::new(instances))
+}
+
+/// `world_from_mesh` of every joint; `None` where one is missing.
+fn joints_of(world: &World, skin: &SkinnedMesh) -> Option<Vec<Mat4>> {
+    let bindposes = world
+        .get_resource::<Assets<SkinnedMeshInverseBindposes>>()?
+        .get(&skin.inverse_bindposes)?;
+    skin.joints
+        .iter()
+        .zip(bindposes.iter())
+        .map(|(joint, joint_from_mesh)| {
+            let joint = world.get::<GlobalTransform>(*joint)?;
+            Some(joint.to_matrix() * *joint_from_mesh)
+        })
+        .collect()
+}
+
+fn triangles(mesh: &Mesh, joints: Option<&Vec<Mat4>>) -> Result<Option<Arc<TruthMesh>>, TruthError> {
+    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+        return Err(TruthError::Topology(mesh.primitive_topology()));
+    }
+    let attribute = |id| mesh.try_attribute_option(id).map_err(|_| TruthError::MeshNotReadable);
+    let Some(VertexAttributeValues::Float32x3(positions)) = attribute(Mesh::ATTRIBUTE_POSITION)? else {
+        return Ok(None);
+    };
+    let mut positions: Vec<Vec3> = positions.iter().copied().map(Vec3::from).collect();
+    if let (
+        Some(joints),
+        Some(VertexAttributeValues::Uint16x4(indices)),
+        Some(VertexAttributeValues::Float32x4(weights)),
+    ) = (
+        joints,
+        attribute(Mesh::ATTRIBUTE_JOINT_INDEX)?,
+        attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT)?,
+    ) {
+        for ((position, indices), weights) in positions.iter_mut().zip(indices).zip(weights) {
+            let moved = indices.iter().zip(weights).map(|(index, weight)| {
+                let joint = joints.get(usize::from(*index)).copied().unwrap_or(Mat4::IDENTITY);
+                joint.transform_point3(*position) * *weight
+            });
+            *position = moved.sum();
+        }
+    }
+    let uvs = match attribute(Mesh::ATTRIBUTE_UV_0)? {
+        Some(VertexAttributeValues::Float32x2(uvs)) => uvs.iter().copied().map(Vec2::from).collect(),
+        _ => Vec::new(),
+    };
+    let flat: Vec<u32> = match mesh.try_indices_option().map_err(|_| TruthError::MeshNotReadable)? {
+        Some(Indices::U16(indices)) => indices.iter().map(|index| u32::from(*index)).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => (0..positions.len() as u32).collect(),
+    };
+    let (triangles, _) = flat.as_chunks::<3>();
+    Ok(TruthMesh::new(positions, uvs, triangles.to_vec()).map(Arc::new))
+}
+
+/// Where a material has holes; `None`: nowhere.
+fn alpha_of(material: &StandardMaterial, images: Option<&Assets<Image>>) -> Result<Option<AlphaMask>, TruthError> {
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Mask(cutoff) => cutoff,
+        AlphaMode::Blend | AlphaMode::Premultiplied | AlphaMode::Add => BLEND_CUTOFF,
+        _ => return Ok(None),
+    };
+    let mut mask = AlphaMask {
+        width: 0,
+        height: 0,
+        alpha: Vec::new(),
+        base: material.base_color.alpha(),
+        cutoff,
+    };
+    let image = material
+        .base_color_texture
+        .as_ref()
+        .and_then(|texture| images?.get(texture));
+    if let Some(image) = image {
+        let format = image.texture_descriptor.format;
+        let (Some(data), TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb) = (&image.data, format) else {
+            return Err(TruthError::Texture(format));
+        };
+        (mask.width, mask.height) = (image.width(), image.height());
+        let texels = mask.width as usize * mask.height as usize;
+        mask.alpha = data.chunks_exact(4).take(texels).map(|texel| texel[3]).collect();
+    }
+    Ok(Some(mask))
+}
