@@ -34,6 +34,8 @@ pub enum Command {
     Play(Play),
     /// Take pictures of scenes, without a window
     Shoot(Shoot),
+    /// Compare shadow masks with ray-traced truth: a table, report.json, report.md and pictures
+    Judge(Shoot),
     /// Say what there is
     List {
         /// What to list
@@ -75,7 +77,7 @@ impl Play {
     }
 }
 
-/// Arguments of `shoot`.
+/// Arguments of `shoot` and `judge`.
 #[derive(Clone, Debug, ClapArgs)]
 pub struct Shoot {
     /// Levels (forest, city, room/fence), with settings (stress_trees:count=1000), or .glb files

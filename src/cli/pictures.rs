@@ -1,6 +1,7 @@
 //! Texels to PNG files, and files that are there whole or not at all.
 
 use std::{
+    fmt::Display,
     fs,
     io::{self, Cursor, Write},
     path::{Path, PathBuf},
@@ -36,7 +37,7 @@ pub enum WriteError {
 
 /// `SCENE_SHOT_TECHNIQUE_PASS.png`; characters outside `[a-z0-9]` in the three names become `-`.
 #[must_use]
-pub fn file_name(scene: &str, shot: &str, technique: &str, pass: Pass) -> String {
+pub fn file_name(scene: &str, shot: &str, technique: &str, pass: impl Display) -> String {
     let clean = |name: &str| -> String {
         name.chars()
             .map(|letter| match letter {

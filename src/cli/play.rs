@@ -39,7 +39,7 @@ pub(super) fn run(assets: Option<&Path>, args: &Play) -> Result<(), Failure> {
             remark(format!(
                 "{reason}; rendering a short flight to {FLIGHT_FOLDER}/ instead"
             ));
-            shoot::run_with(assets, &flight_args(args), flight_of)
+            shoot::run_with(assets, &flight_args(args), None, flight_of).map(drop)
         }
         Err(problem) => Err(Failure::failed(problem)),
     }

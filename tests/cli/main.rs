@@ -3,6 +3,7 @@
 mod arguments;
 mod failures;
 mod glb;
+mod judge;
 mod pictures;
 mod play;
 

@@ -1,7 +1,11 @@
 //! The shadow result against analytic truth: a ground plane and boxes, ray-traced in double precision.
 
 use bevy::{light::DirectionalLightShadowMap, math::DVec3, prelude::*};
-use umbrage::{prelude::*, render::capture, shadow::technique::Technique};
+use umbrage::{
+    prelude::*,
+    render::{capture, reference::extract::truth_scene},
+    shadow::technique::Technique,
+};
 
 use crate::harness::{Harness, eye};
 
@@ -103,9 +107,8 @@ fn wrong_shares(result: &[f32], eye: Transform, light_dir: DVec3, boxes: &[Cuboi
     (share(false_shadow), share(false_lit), certain)
 }
 
-/// Shares of false shadow and of false lit pixels.
-fn errors(light_dir: Vec3, technique: &str) -> (f64, f64) {
-    let boxes = boxes();
+/// A harness with the ground plane and the boxes.
+fn harness_with(boxes: &[Cuboid3]) -> Harness {
     let mut harness = Harness::new(SIZE, eye());
     let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
     let plane = harness.mesh(Plane3d::default().mesh().size(120.0, 120.0));
@@ -113,7 +116,7 @@ fn errors(light_dir: Vec3, technique: &str) -> (f64, f64) {
         .app
         .world_mut()
         .spawn((Mesh3d(plane), MeshMaterial3d(material.clone())));
-    for cuboid in &boxes {
+    for cuboid in boxes {
         let size = (cuboid.max - cuboid.min).as_vec3();
         let mesh = harness.mesh(Cuboid::from_size(size));
         let center = ((cuboid.max + cuboid.min) / 2.0).as_vec3();
@@ -123,6 +126,55 @@ fn errors(light_dir: Vec3, technique: &str) -> (f64, f64) {
             Transform::from_translation(center),
         ));
     }
+    harness
+}
+
+/// Two independent ways to the truth: rays through the trees of the app's own meshes, and formulas.
+#[test]
+fn traced_truth_is_analytic_truth() {
+    let boxes = boxes();
+    let mut harness = harness_with(&boxes);
+    harness.start();
+    let scene = truth_scene(harness.app.world_mut()).expect("all meshes are in main memory");
+    assert_eq!(scene.len(), boxes.len() + 1);
+    let origin = eye().translation.as_dvec3();
+    for light in LIGHTS {
+        let to_light = -light.as_dvec3().normalize();
+        let (mut compared, mut in_shadow, mut different) = (0, 0, 0);
+        for index in 0..40_000 {
+            let (x, y) = (
+                f64::from(index % 200) / 100.0 - 1.0,
+                f64::from(index / 200) / 100.0 - 1.0,
+            );
+            // No round numbers: a ray through an edge of a box may see either side.
+            let direction = DVec3::new(x * 0.8 + 0.00137, y * 0.5 - 0.20113, -1.0);
+            let Some((t, normal, _)) = trace(origin, direction, &boxes) else {
+                continue;
+            };
+            let point = origin + t * direction;
+            let seen = scene.first_surface(origin, direction, 0.01, 1.0e4).expect("a surface");
+            let is_same = (seen.t - t).abs() < 1.0e-4 && seen.normal_world.dot(normal) > 0.9999;
+            assert!(is_same, "{point}: {seen:?}, not {normal} at {t}");
+            let truth = |offset: f64| trace(point + to_light * offset, to_light, &boxes).is_some();
+            if normal.dot(to_light) <= 0.15 || truth(0.0005) != truth(0.002) {
+                continue;
+            }
+            compared += 1;
+            in_shadow += i32::from(truth(0.001));
+            different += i32::from(scene.is_in_shadow(point, to_light, 0.001) != truth(0.001));
+        }
+        assert!(
+            compared > 15_000 && in_shadow > 300,
+            "{compared} rays, {in_shadow} in shadow"
+        );
+        assert_eq!(different, 0, "light {light}, of {compared} rays");
+    }
+}
+
+/// Shares of false shadow and of false lit pixels.
+fn errors(light_dir: Vec3, technique: &str) -> (f64, f64) {
+    let boxes = boxes();
+    let mut harness = harness_with(&boxes);
     let light = harness.sun(light_dir, SunShadows::default());
     let technique = technique_of(technique);
     technique.apply(&mut harness.app.world_mut().commands().entity(light));

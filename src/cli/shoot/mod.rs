@@ -18,6 +18,7 @@ use super::{
     Failure,
     args::{NamedTechnique, Shoot},
     headless,
+    judge::Report,
     pass::Pass,
     pictures, remark, say,
     shots::{self, Shard, ShotError},
@@ -33,15 +34,21 @@ use stats::{FrameTimes, Stats, Take};
 
 /// Takes all pictures that the arguments ask for.
 pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
-    run_with(assets, args, |scene| scene.shots.clone())
+    run_with(assets, args, None, |scene| scene.shots.clone()).map(drop)
+}
+
+/// The same, and judges every take.
+pub(super) fn run_judging(assets: Option<&Path>, args: &Shoot) -> Result<Report, Failure> {
+    run_with(assets, args, Some(Report::default()), |scene| scene.shots.clone()).map(Option::unwrap_or_default)
 }
 
 /// The same, with a choice of shots for scenes where no file of shots was given.
 pub(super) fn run_with(
     assets: Option<&Path>,
     args: &Shoot,
+    judge: Option<Report>,
     shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
-) -> Result<(), Failure> {
+) -> Result<Option<Report>, Failure> {
     let root = asset_root(assets).map_err(Failure::failed)?;
     for scene in &args.scenes {
         scene.check(&root).map_err(Failure::failed)?;
@@ -70,12 +77,14 @@ pub(super) fn run_with(
         names: HashSet::new(),
         place: 0,
         bar: progress_bar(),
+        judge,
     };
     let result = args.scenes.iter().try_for_each(|scene| session.shoot_scene(scene));
     session.bar.finish_and_clear();
     result?;
     // A shard without shots leaves a file too, so that nobody takes it for lost.
-    session.write_stats()
+    session.write_stats()?;
+    Ok(session.judge)
 }
 
 /// A bar on a terminal, nothing anywhere else.
@@ -102,6 +111,8 @@ struct Session<'a> {
     /// Shots so far, of all scenes: what shards count.
     place: usize,
     bar: ProgressBar,
+    /// What judging has found; `None`: pictures only.
+    judge: Option<Report>,
 }
 
 impl Session<'_> {
@@ -177,6 +188,9 @@ impl Session<'_> {
     /// All techniques of one shot.
     fn shoot_shot(&mut self, scene: &str, shot: &Shot, sun: Entity) -> Result<(), Failure> {
         let stage = Stage::new(&mut self.app, shot, sun, &self.args.passes);
+        if let Some(judge) = &mut self.judge {
+            judge.begin_shot();
+        }
         for technique in &self.args.techniques {
             self.bar
                 .set_message(format!("{scene} {} {}", shot.name, technique.text));
@@ -216,6 +230,10 @@ impl Session<'_> {
             light_views: stats::views_of(app, sun, stage.camera(), &technique.technique),
         };
         let mut texels: Vec<_> = shaded.into_iter().zip(settled.texels).collect();
+        if let Some(judge) = &mut self.judge {
+            judge.judge(app, (scene, shot, technique), &texels, &self.args.out, &self.bar)?;
+            judge.write(&self.args.out)?;
+        }
         if !lit.is_empty() {
             stage.set_shadows(app, false);
             let settled = stage.settle(app, &[Pass::Lit])?;
