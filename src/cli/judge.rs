@@ -201,7 +201,9 @@ impl Report {
     fn markdown(&self) -> String {
         let mut text = String::from(
             "# Shadow masks against ray-traced truth\n\nShares of valid pixels in percent, means over shots. False shadow \
-             is red in the pictures, false lit orange, pixels that do not count blue.\n\n\
+             is red in the pictures, false lit orange, pixels that do not count blue: sky, surfaces that face away from the \
+             light or nearly (N·L at most 0.15), edges of surfaces with their neighbours, and places where truth itself \
+             changes within two millimetres.\n\n\
              | scene | technique | wrong | false shadow | false lit | wrong in the edge band | valid pixels |\n\
              |---|---|---|---|---|---|---|\n",
         );
