@@ -1,12 +1,12 @@
 //! `umbrage judge`: shadow masks against ray-traced truth.
 
-use std::{fmt::Write as _, io::Cursor, path::Path};
+use std::{fmt::Write as _, path::Path};
 
 use bevy::{
     math::{DVec3, UVec2},
     prelude::*,
 };
-use image::{ColorType, ImageFormat};
+use image::ColorType;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -69,6 +69,8 @@ struct Errors {
     false_shadow: u32,
     false_lit: u32,
     wrong_percent: f64,
+    false_shadow_percent: f64,
+    false_lit_percent: f64,
 }
 
 impl From<Counts> for Errors {
@@ -78,6 +80,8 @@ impl From<Counts> for Errors {
             false_shadow: counts.false_shadow,
             false_lit: counts.false_lit,
             wrong_percent: 100.0 * counts.wrong_share(),
+            false_shadow_percent: 100.0 * counts.share(counts.false_shadow),
+            false_lit_percent: 100.0 * counts.share(counts.false_lit),
         }
     }
 }
@@ -126,12 +130,12 @@ impl Report {
         }
         let truth_name = pictures::file_name(scene, &shot.name, "truth", "mask");
         let difference_name = pictures::file_name(scene, &shot.name, &technique.text, "difference");
-        write_picture(&out.join(&truth_name), size, &truth_picture(&self.truth))?;
-        write_picture(
-            &out.join(&difference_name),
-            size,
-            &difference_picture(&mask.bytes, &self.truth),
-        )?;
+        for (name, picture) in [
+            (&truth_name, truth_picture(&self.truth)),
+            (&difference_name, difference_picture(&mask.bytes, &self.truth)),
+        ] {
+            pictures::write_pixels(&out.join(name), size, &picture, ColorType::Rgb8).map_err(Failure::failed)?;
+        }
         let Accuracy { pixels, overall, band } = accuracy::compare(size, &mask.bytes, &self.truth);
         self.rows.push(Row {
             scene: scene.to_owned(),
@@ -170,13 +174,12 @@ impl Report {
                     .filter(|row| row.scene == scene && row.technique == technique)
                     .collect();
                 let mean = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / rows.len() as f64;
-                let percent = |count: u32, of: u32| 100.0 * f64::from(count) / f64::from(of.max(1));
                 let numbers = [
                     mean(&|row| row.overall.wrong_percent),
-                    mean(&|row| percent(row.overall.false_shadow, row.overall.valid)),
-                    mean(&|row| percent(row.overall.false_lit, row.overall.valid)),
+                    mean(&|row| row.overall.false_shadow_percent),
+                    mean(&|row| row.overall.false_lit_percent),
                     mean(&|row| row.band.wrong_percent),
-                    mean(&|row| percent(row.overall.valid, row.pixels)),
+                    mean(&|row| 100.0 * f64::from(row.overall.valid) / f64::from(row.pixels.max(1))),
                 ];
                 (scene, technique, numbers)
             })
@@ -226,8 +229,7 @@ impl Report {
 
 /// The rays of a shot's camera.
 fn rays(shot: &Shot, size: UVec2) -> PixelRays {
-    let up = Vec3::from(shot.up).normalize_or(Vec3::Y);
-    let camera = Transform::from_translation(shot.position.into()).looking_at(shot.target.into(), up);
+    let camera = shot.camera();
     let axis = |axis: Dir3| -> DVec3 { axis.as_dvec3().normalize() };
     PixelRays {
         size,
@@ -257,13 +259,6 @@ fn difference_picture(mask: &[u8], truth: &[PixelTruth]) -> Vec<u8> {
         _ => NOT_VALID,
     };
     mask.iter().zip(truth).flat_map(color).collect()
-}
-
-fn write_picture(path: &Path, size: UVec2, rgb: &[u8]) -> Result<(), Failure> {
-    let mut png = Cursor::new(Vec::new());
-    image::write_buffer_with_format(&mut png, rgb, size.x, size.y, ColorType::Rgb8, ImageFormat::Png)
-        .map_err(|error| Failure::Failed(format!("cannot encode {}: {error}", path.display())))?;
-    pictures::write_whole(path, png.get_ref()).map_err(Failure::failed)
 }
 
 #[cfg(test)]

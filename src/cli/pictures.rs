@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use bevy::render::render_resource::TextureFormat;
+use bevy::{math::UVec2, render::render_resource::TextureFormat};
 use image::{ColorType, ImageFormat};
 use thiserror::Error;
 
@@ -80,13 +80,21 @@ pub fn write_png(path: &Path, texels: &Texels, pass: Pass, far: f32) -> Result<(
             });
         }
     };
+    write_pixels(path, UVec2::new(texels.width, texels.height), &bytes, color)
+}
+
+/// Writes pixels, row 0 on top, as PNG.
+///
+/// # Errors
+/// The file cannot be written, or the pixels do not fill the size.
+pub fn write_pixels(path: &Path, size: UVec2, bytes: &[u8], color: ColorType) -> Result<(), WriteError> {
     let mut png = Cursor::new(Vec::new());
-    image::write_buffer_with_format(&mut png, &bytes, texels.width, texels.height, color, ImageFormat::Png).map_err(
-        |error| WriteError::Encode {
+    image::write_buffer_with_format(&mut png, bytes, size.x, size.y, color, ImageFormat::Png).map_err(|error| {
+        WriteError::Encode {
             path: path.to_owned(),
             reason: error.to_string(),
-        },
-    )?;
+        }
+    })?;
     write_whole(path, png.get_ref())
 }
 

@@ -1,5 +1,6 @@
 //! [`Shot`]: one named camera and sun, as levels and shots files write it.
 
+use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A camera, a sun and a picture size. Right-handed, y up, metres; unknown fields of files are ignored.
@@ -34,6 +35,14 @@ pub struct Shot {
     pub height: u32,
     /// Direction in which sunlight travels; any length but zero.
     pub light_dir: [f32; 3],
+}
+
+impl Shot {
+    /// Where the camera stands and looks; an up direction without length is +y.
+    pub fn camera(&self) -> Transform {
+        let up = Vec3::from(self.up).normalize_or(Vec3::Y);
+        Transform::from_translation(self.position.into()).looking_at(self.target.into(), up)
+    }
 }
 
 fn default_up() -> [f32; 3] {

@@ -104,12 +104,7 @@ pub fn read_image(app: &App, image: &Handle<Image>) -> Result<Texels, CaptureErr
 /// # Errors
 /// The texture lacks `COPY_SRC`, has no such layer or has a format without a texel size.
 pub fn read_texture(render_world: &World, texture: &Texture, layer: u32) -> Result<Texels, CaptureError> {
-    let (Some(device), Some(queue)) = (
-        render_world.get_resource::<RenderDevice>(),
-        render_world.get_resource::<RenderQueue>(),
-    ) else {
-        return Err(CaptureError::NoRenderer);
-    };
+    let (device, queue) = device_and_queue(render_world)?;
     if !texture.usage().contains(TextureUsages::COPY_SRC) {
         return Err(CaptureError::NotCopyable);
     }
@@ -178,12 +173,7 @@ pub fn read_texture(render_world: &World, texture: &Texture, layer: u32) -> Resu
 /// # Errors
 /// The buffer lacks `COPY_SRC`.
 pub fn read_buffer(render_world: &World, source: &Buffer) -> Result<Vec<u8>, CaptureError> {
-    let (Some(device), Some(queue)) = (
-        render_world.get_resource::<RenderDevice>(),
-        render_world.get_resource::<RenderQueue>(),
-    ) else {
-        return Err(CaptureError::NoRenderer);
-    };
+    let (device, queue) = device_and_queue(render_world)?;
     if !source.usage().contains(BufferUsages::COPY_SRC) {
         return Err(CaptureError::NotCopyable);
     }
@@ -197,6 +187,13 @@ pub fn read_buffer(render_world: &World, source: &Buffer) -> Result<Vec<u8>, Cap
     encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, source.size());
     queue.submit([encoder.finish()]);
     map(device, &buffer)
+}
+
+fn device_and_queue(render_world: &World) -> Result<(&RenderDevice, &RenderQueue), CaptureError> {
+    render_world
+        .get_resource::<RenderDevice>()
+        .zip(render_world.get_resource::<RenderQueue>())
+        .ok_or(CaptureError::NoRenderer)
 }
 
 /// The bytes of a buffer with `MAP_READ`.

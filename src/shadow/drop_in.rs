@@ -7,18 +7,20 @@
 //! whole cascade, but the texels of a warped map grow from its near end to its far end: lengths that suffice at the far
 //! end eat the shadows near the eye. So most of the bias sits on the other side of the comparison. Casters are drawn with
 //! a matrix that takes a constant from their depth *after* the division by w; a metre along the light is
-//! `depth_per_metre ÷ w` of depth and a texel is about `relative_texel_size · w` metres wide, so this constant is about the
-//! same number of local texels everywhere in the map ([`LightView::caster_depth_bias`]; the render room puts it into the views of
-//! Bevy's shadow passes, [`render::drop_in`](crate::render::drop_in)).
+//! `depth_per_metre ÷ w` of depth and a texel is about `relative_texel_size · w` metres wide, so this constant is about
+//! the same number of local texels everywhere in the map ([`LightView::caster_depth_bias`]; the render room puts it into
+//! the views of Bevy's shadow passes, [`render::drop_in`](crate::render::drop_in)).
 //!
 //! On a surface whose normal is at the angle θ to the light, a filter that reads r texels around a point needs a bias of
 //! r · tan θ texels along the light. The number of texels is chosen for level ground, where tan θ is the cotangent of the
 //! sun's elevation, and limited. Steeper surfaces are helped by Bevy's normal bias n, which is worth n ÷ cos θ: it is
-//! measured in the smallest texels of the map, so near the eye it is small too.
+//! measured in the smallest texels of the map, so near the eye it is small too. The numbers below are the best of a scan
+//! over forest, city and room/fence against a dense reference (false shadow against false lit), not derived.
 //!
-//! A texel is `w²` times as long as at the near end along the warp axis, and `w` times as wide. With `LiSPSM` the length
-//! stays below a few widths, which the constants cover; stronger warps would need a bias that is too much across the axis
-//! where it suffices along it: they are refused. The full path has none of these limits.
+//! Along the warp axis a texel is `w²` times as long as at the near end. `relative_texel_size` takes it at the geometric
+//! mean of both ends, where w = √R; at the far end, where w = R, texels are √R times as long as the bias assumes. With
+//! `LiSPSM` the pictures show no acne from it; `PSM`, whose R is far larger, shows it everywhere, so warps stronger than
+//! `LiSPSM` are refused. The full path has none of these limits.
 
 use bevy::{
     light::{CascadeShadowConfig, Cascades, cascade::Cascade},

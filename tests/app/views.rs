@@ -5,7 +5,7 @@ use umbrage::{
     maths::{split::SplitScheme, warp::Warp},
     shadow::{
         gizmos::SunShadowGizmos,
-        settings::{Partitions, ShadowPath, SunShadows},
+        settings::{Partitions, ShadowPath, SunShadows, WithoutSunShadows},
         views::{CameraSunViews, SunViews},
     },
 };
@@ -100,6 +100,19 @@ fn casters_outside_the_view_are_inside_the_maps() {
         ndc.truncate().abs().max_element() < 1.0 && ndc.z > 0.0 && ndc.z < 1.0
     });
     assert!(covered, "the tower's top is drawn");
+}
+
+#[test]
+fn cameras_can_go_without() {
+    let mut app = app();
+    spawn_town(&mut app);
+    let camera = spawn_camera(&mut app);
+    let sun = spawn_sun(&mut app, SunShadows::HIGH);
+    app.update();
+    assert!(views(&app, sun, camera).is_some());
+    app.world_mut().entity_mut(camera).insert(WithoutSunShadows);
+    app.update();
+    assert!(views(&app, sun, camera).is_none());
 }
 
 #[test]

@@ -85,8 +85,7 @@ impl Stage {
                 far: shot.far,
                 ..default()
             }),
-            Transform::from_translation(shot.position.into())
-                .looking_at(shot.target.into(), Vec3::from(shot.up).normalize_or(Vec3::Y)),
+            shot.camera(),
             Exposure::default(),
             // Needs no look-up table.
             Tonemapping::AcesFitted,

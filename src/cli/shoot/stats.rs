@@ -141,7 +141,7 @@ pub(super) struct Maps {
     size: u32,
     /// Texels per side of the fallback map; 0: none.
     fallback_size: u32,
-    /// Texels of all of them: what a frame draws.
+    /// Texels of all of them: what a frame clears and draws into.
     texels: u64,
     /// Bytes of all of them.
     bytes: u64,
