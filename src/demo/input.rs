@@ -56,6 +56,8 @@ pub enum Action {
     NextOverlay,
     /// Show or hide the view from outside.
     ToggleOutside,
+    /// Freeze the frame and compare it with truth, or go on.
+    Judge,
     /// Save a picture.
     Photo,
     /// The next level of the list.
@@ -175,6 +177,7 @@ pub const ROWS: &[Row] = {
         playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
         playing("outside view", &[(Key(KeyCode::F5), ToggleOutside)]),
+        playing("judge the frozen frame against truth", &[(Key(KeyCode::KeyJ), Judge)]),
         playing("photo into out/", &[(Key(KeyCode::KeyP), Photo)]),
         playing("next level", &[(Key(KeyCode::KeyN), NextScene)]),
         Row {

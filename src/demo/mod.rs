@@ -16,6 +16,7 @@ pub mod adapter;
 pub mod flight;
 mod hud;
 pub mod input;
+mod judge;
 pub mod outside;
 pub mod overlay;
 mod photo;
@@ -104,6 +105,7 @@ impl Plugin for DemoPlugin {
                 overlay::plugin,
                 outside::plugin,
                 photo::plugin,
+                judge::plugin,
                 hud::plugin,
             ));
     }

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     level::{LevelPlugin, find::AssetRoot, loader, scene::SceneSource},
-    render::UmbragePlugins,
+    render::{UmbragePlugins, mask::MaskPlugin},
     shadow::technique::Technique,
 };
 
@@ -154,6 +154,8 @@ fn build(options: &PlayOptions) -> App {
             assets: options.assets.clone(),
         },
         UmbragePlugins,
+        // For judging the frozen frame; costs nothing before.
+        MaskPlugin,
         DemoPlugin {
             scene: options.scene.clone(),
             scenes: playable(&options.assets),

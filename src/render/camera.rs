@@ -1,6 +1,13 @@
-//! What the full path asks of cameras: a depth prepass, and no multisampling.
+//! What the full path asks of cameras: a depth and a normal prepass, and no multisampling.
+//!
+//! The normals let the bias know the receiver's plane where depths of neighbouring pixels cannot tell it: façades, grilles
+//! and leaves whose parts are as wide as a pixel.
 
-use bevy::{core_pipeline::prepass::DepthPrepass, log::warn_once, prelude::*};
+use bevy::{
+    core_pipeline::prepass::{DepthPrepass, NormalPrepass},
+    log::warn_once,
+    prelude::*,
+};
 
 use crate::shadow::settings::{ShadowPath, SunShadows};
 
@@ -13,20 +20,20 @@ pub fn takes_full_path(msaa: Msaa) -> bool {
     msaa == Msaa::Off
 }
 
-/// Gives the depth prepass to cameras that need it, and says once what keeps others from the full path.
+/// Gives the prepasses to cameras that need it, and says once what keeps others from the full path.
 pub(super) fn prepare_cameras(
     mut commands: Commands,
     suns: Query<&SunShadows>,
-    cameras: Query<(Entity, &Msaa, Has<DepthPrepass>), With<Camera3d>>,
+    cameras: Query<(Entity, &Msaa, Has<DepthPrepass>, Has<NormalPrepass>), With<Camera3d>>,
 ) {
     if !suns.iter().any(|settings| settings.path == ShadowPath::Full) {
         return;
     }
-    for (camera, msaa, has_prepass) in &cameras {
+    for (camera, msaa, has_depth, has_normals) in &cameras {
         if !takes_full_path(*msaa) {
             warn_once!("{NEEDS_NO_MSAA}");
-        } else if !has_prepass {
-            commands.entity(camera).insert(DepthPrepass);
+        } else if !(has_depth && has_normals) {
+            commands.entity(camera).insert((DepthPrepass, NormalPrepass));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Head-up display, help, loading screen and pause menu, made with Bevy's UI.
+//! Head-up display, help, judgement, loading screen and pause menu, made with Bevy's UI.
 //!
 //! This room only shows: what it shows is written into its view models ([`hud::HudText`], [`loading::Progress`]),
 //! and each screen is a function that returns a bundle to spawn. Texts are ASCII, as the built-in font is.
@@ -7,6 +7,7 @@ use bevy::{prelude::*, window::PrimaryWindow};
 
 pub mod help;
 pub mod hud;
+pub mod judge;
 pub mod loading;
 pub mod pause;
 

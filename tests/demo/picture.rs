@@ -1,13 +1,25 @@
 //! The whole game on a GPU without a window: loading, then play with the head-up display, as pictures.
 
-use bevy::{camera::RenderTarget, prelude::*, render::render_resource::TextureFormat, ui::IsDefaultUiCamera};
+use bevy::{
+    camera::RenderTarget,
+    input::{
+        ButtonState,
+        keyboard::{Key, KeyboardInput, NativeKey},
+    },
+    prelude::*,
+    render::render_resource::TextureFormat,
+    ui::IsDefaultUiCamera,
+};
 use umbrage::{
     cli::headless,
     demo::{DemoPlugin, player::Player, screens::Activity, technique::Chosen},
     level::{LevelPlugin, find::asset_root, scene::SceneSource},
-    render::{UmbragePlugins, capture},
+    render::{
+        UmbragePlugins, capture,
+        mask::{MaskPlugin, ShadowMask},
+    },
     shadow::technique::Technique,
-    ui::hud::HudRoot,
+    ui::{hud::HudRoot, judge::JudgeRoot},
 };
 
 const SIZE: UVec2 = UVec2::new(320, 180);
@@ -30,6 +42,26 @@ fn differing(a: &[[u8; 3]], b: &[[u8; 3]]) -> f32 {
     a.iter().zip(b).filter(different).count() as f32 / a.len() as f32
 }
 
+/// Presses and releases a key.
+fn press(app: &mut App, key_code: KeyCode) {
+    for state in [ButtonState::Pressed, ButtonState::Released] {
+        app.world_mut().write_message(KeyboardInput {
+            key_code,
+            logical_key: Key::Unidentified(NativeKey::Unidentified),
+            state,
+            text: None,
+            repeat: false,
+            window: Entity::PLACEHOLDER,
+        });
+        headless::frame(app);
+    }
+}
+
+fn count<C: Component>(app: &mut App) -> usize {
+    let world = app.world_mut();
+    world.query::<&C>().iter(world).count()
+}
+
 #[test]
 fn a_room_is_loaded_played_and_seen() {
     let assets = asset_root(None).unwrap_or_else(|error| panic!("{error}"));
@@ -37,6 +69,7 @@ fn a_room_is_loaded_played_and_seen() {
     app.add_plugins((
         LevelPlugin { assets },
         UmbragePlugins,
+        MaskPlugin,
         DemoPlugin {
             scene: SceneSource::level("room/plane_box"),
             scenes: vec![],
@@ -94,4 +127,45 @@ fn a_room_is_loaded_played_and_seen() {
     let stock = picture(&mut app, &target);
     let share = differing(&stock, &without);
     assert!(share < 0.2, "the techniques differ by more than their edges: {share}");
+
+    app.world_mut().resource_mut::<Chosen>().0 = Technique::default();
+    press(&mut app, KeyCode::KeyJ);
+    let frames = (0..200).take_while(|_| {
+        headless::frame(&mut app);
+        count::<JudgeRoot>(&mut app) == 0
+    });
+    assert!(frames.count() < 200, "still judging");
+    assert!(app.world().resource::<Time<Virtual>>().is_paused(), "time goes on");
+    let panels: Vec<Handle<Image>> = {
+        let world = app.world_mut();
+        let mut images = world.query::<&ImageNode>();
+        images.iter(world).map(|node| node.image.clone()).collect()
+    };
+    assert_eq!(panels.len(), 3, "technique, truth and difference");
+    let judged = picture(&mut app, &target);
+    assert!(differing(&judged, &stock) > 0.5, "the pictures cover the window");
+    // Truth is white, black and blue; the room has a lit plane and a shadow.
+    let column = |range: std::ops::Range<u32>| {
+        let x = range.start * SIZE.x / 6..range.end * SIZE.x / 6;
+        judged
+            .iter()
+            .zip(0..)
+            .filter(move |(_, index)| x.contains(&(index % SIZE.x)))
+            .map(|(pixel, _)| *pixel)
+    };
+    for (columns, name) in [(0..2, "technique"), (2..4, "truth")] {
+        let lit = column(columns.clone())
+            .filter(|pixel| pixel.iter().all(|channel| *channel > 240))
+            .count();
+        assert!(lit > 300, "{name}: {lit} lit pixels");
+    }
+    press(&mut app, KeyCode::KeyJ);
+    for _ in 0..3 {
+        headless::frame(&mut app);
+    }
+    assert_eq!((count::<JudgeRoot>(&mut app), count::<ShadowMask>(&mut app)), (0, 0));
+    assert!(
+        !app.world().resource::<Time<Virtual>>().is_paused(),
+        "time stands still"
+    );
 }

@@ -22,6 +22,18 @@ fn set_status(game: &mut Game, status: SceneStatus) {
 }
 
 #[test]
+fn judging_without_a_picture_says_so_and_ends() {
+    let mut game = Game::playing();
+    game.tap(KeyCode::KeyJ);
+    assert_eq!(game.activity(), Some(Activity::Judging));
+    assert!(game.hud().notice.contains("nothing to judge"), "{}", game.hud().notice);
+    assert!(game.0.world().resource::<Time<Virtual>>().is_paused());
+    game.tap(KeyCode::Escape);
+    assert_eq!(game.activity(), Some(Activity::Running));
+    assert!(!game.0.world().resource::<Time<Virtual>>().is_paused());
+}
+
+#[test]
 fn loading_shows_progress_and_ends_in_play() {
     let mut game = Game::new();
     assert_eq!(game.screen(), Screen::Loading);

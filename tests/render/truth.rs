@@ -309,3 +309,53 @@ fn grazing_light_gives_no_acne() {
         }
     }
 }
+
+/// A wall of fins that are about as wide as a pixel, all of it lit: depths of neighbouring pixels belong to different
+/// faces, so no plane fits them, and the bias must know that.
+#[test]
+fn a_facade_of_fins_is_not_speckled() {
+    const FINS: u32 = 90;
+    let light_dir = DVec3::new(-0.8, -0.5, -0.35).normalize();
+    let mut boxes: Vec<Cuboid3> = (0..FINS)
+        .map(|i| {
+            let z = -1.1 * f64::from(i);
+            Cuboid3 {
+                min: DVec3::new(-8.0, 0.0, z),
+                max: DVec3::new(-7.65, 14.0, z + 0.5),
+            }
+        })
+        .collect();
+    boxes.push(Cuboid3 {
+        min: DVec3::new(-12.0, 0.0, -1.1 * f64::from(FINS)),
+        max: DVec3::new(-8.0, 14.0, 1.0),
+    });
+    let mut harness = harness_with(&boxes);
+    harness.sun(light_dir.as_vec3(), settings("zp4+lispsm:size=2048"));
+    harness.start();
+    let result = harness.shadow_result(harness.camera);
+    let (width, height) = (SIZE.x as usize, SIZE.y as usize);
+    let tan = (std::f64::consts::FRAC_PI_4 / 2.0).tan();
+    let eye = eye();
+    let (right, up, forward) = (eye.right().as_dvec3(), eye.up().as_dvec3(), eye.forward().as_dvec3());
+    let origin = eye.translation.as_dvec3();
+    let is_lit_wall = |x: f64, y: f64| {
+        let ndc = (x / width as f64 * 2.0 - 1.0, 1.0 - y / height as f64 * 2.0);
+        let direction = forward + right * (ndc.0 * tan * f64::from(SIZE.x) / f64::from(SIZE.y)) + up * (ndc.1 * tan);
+        trace(origin, direction, &boxes).is_some_and(|(t, normal, id)| {
+            let point = origin + t * direction;
+            id != 0 && trace(point + normal * 1.0e-3, -light_dir, &boxes).is_none()
+        })
+    };
+    let (mut lit, mut speckled) = (0, 0);
+    for (index, shown) in result.iter().enumerate() {
+        let (x, y) = ((index % width) as f64, (index / width) as f64);
+        let is_lit =
+            (0..25).all(|i| is_lit_wall(x + (f64::from(i % 5) + 0.5) / 5.0, y + (f64::from(i / 5) + 0.5) / 5.0));
+        lit += u32::from(is_lit);
+        speckled += u32::from(is_lit && *shown < 0.9);
+    }
+    let share = f64::from(speckled) / f64::from(lit);
+    println!("{speckled} of {lit} wholly lit pixels are darker than 0.9");
+    assert!(lit > 1_500, "only {lit} pixels of the wall are lit");
+    assert!(share < 0.02, "{share} of the lit wall is speckled");
+}

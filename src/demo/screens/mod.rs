@@ -1,4 +1,4 @@
-//! The screens as states: loading, then play; while playing: starting, running or paused.
+//! The screens as states: loading, then play; while playing: starting, running, paused or judging.
 
 use bevy::prelude::*;
 
@@ -6,6 +6,8 @@ mod loading;
 mod pause;
 mod play;
 mod start;
+
+pub(super) use start::Compiling;
 
 /// What fills the window.
 #[derive(States, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -28,6 +30,8 @@ pub enum Activity {
     Running,
     /// The pause menu is open: time stands still and the mouse is free.
     Paused,
+    /// The frame is frozen and compared with ray-traced truth.
+    Judging,
 }
 
 pub(super) fn plugin(app: &mut App) {

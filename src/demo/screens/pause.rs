@@ -55,7 +55,7 @@ fn toggle(intent: Res<Intent>, activity: Res<State<Activity>>, mut next: ResMut<
     if intent.started(Action::TogglePause) {
         next.set(match activity.get() {
             Activity::Paused => Activity::Running,
-            Activity::Starting | Activity::Running => Activity::Paused,
+            Activity::Starting | Activity::Running | Activity::Judging => Activity::Paused,
         });
     }
 }

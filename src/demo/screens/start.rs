@@ -19,7 +19,14 @@ use crate::ui::loading::{Progress, loading};
 
 /// How many pipelines are waiting for their shaders; the render world writes it.
 #[derive(Resource, Clone, Debug, Default)]
-struct Compiling(Arc<AtomicUsize>);
+pub(in crate::demo) struct Compiling(Arc<AtomicUsize>);
+
+impl Compiling {
+    /// Whether there are any.
+    pub(in crate::demo) fn is_compiling(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > 0
+    }
+}
 
 /// How far the start has come.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]

@@ -10,10 +10,11 @@ use bevy::{
         render_resource::{
             BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
             ColorTargetState, ColorWrites, FragmentState, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
-            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, StoreOp, UniformBuffer,
-            binding_types::{texture_depth_2d, uniform_buffer},
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, StoreOp, TextureSampleType, UniformBuffer,
+            binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        texture::FallbackImage,
         view::{ViewUniform, ViewUniformOffset, ViewUniforms},
     },
 };
@@ -67,6 +68,7 @@ fn init_apply_pipeline(
                 uniform_buffer::<ApplyParameters>(false),
                 texture_depth_2d(),
                 texture_depth_2d(),
+                texture_2d(TextureSampleType::Float { filterable: false }),
             ),
         ),
     );
@@ -155,7 +157,7 @@ fn apply_views(
     )>,
     pipeline: Res<ApplyPipeline>,
     cache: Res<PipelineCache>,
-    view_uniforms: Res<ViewUniforms>,
+    (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
     mut ctx: RenderContext,
 ) {
     let (camera, atlas, result, uniform, prepass, view_offset) = view.into_inner();
@@ -167,10 +169,12 @@ fn apply_views(
     ) else {
         return;
     };
+    // White is no normal.
+    let normals = prepass.normal_view().unwrap_or(&fallback.d2.texture_view);
     let bind_group = ctx.render_device().create_bind_group(
         "umbrage_apply_views",
         &cache.get_bind_group_layout(&pipeline.layout),
-        &BindGroupEntries::sequential((view_binding, parameters, depth, &atlas.view)),
+        &BindGroupEntries::sequential((view_binding, parameters, depth, &atlas.view, normals)),
     );
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
