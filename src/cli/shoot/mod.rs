@@ -18,7 +18,7 @@ use super::{
     Failure,
     args::{NamedTechnique, Shoot},
     headless,
-    judge::Report,
+    judge::Judge,
     pass::Pass,
     pictures, remark, say,
     shots::{self, Shard, ShotError},
@@ -38,17 +38,17 @@ pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
 }
 
 /// The same, and judges every take.
-pub(super) fn run_judging(assets: Option<&Path>, args: &Shoot) -> Result<Report, Failure> {
-    run_with(assets, args, Some(Report::default()), |scene| scene.shots.clone()).map(Option::unwrap_or_default)
+pub(super) fn run_judging(assets: Option<&Path>, args: &Shoot) -> Result<Judge, Failure> {
+    run_with(assets, args, Some(Judge::default()), |scene| scene.shots.clone()).map(Option::unwrap_or_default)
 }
 
 /// The same, with a choice of shots for scenes where no file of shots was given.
 pub(super) fn run_with(
     assets: Option<&Path>,
     args: &Shoot,
-    judge: Option<Report>,
+    judge: Option<Judge>,
     shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
-) -> Result<Option<Report>, Failure> {
+) -> Result<Option<Judge>, Failure> {
     let root = asset_root(assets).map_err(Failure::failed)?;
     for scene in &args.scenes {
         scene.check(&root).map_err(Failure::failed)?;
@@ -112,7 +112,7 @@ struct Session<'a> {
     place: usize,
     bar: ProgressBar,
     /// What judging has found; `None`: pictures only.
-    judge: Option<Report>,
+    judge: Option<Judge>,
 }
 
 impl Session<'_> {
@@ -232,7 +232,6 @@ impl Session<'_> {
         let mut texels: Vec<_> = shaded.into_iter().zip(settled.texels).collect();
         if let Some(judge) = &mut self.judge {
             judge.judge(app, (scene, shot, technique), &texels, &self.args.out, &self.bar)?;
-            judge.write(&self.args.out)?;
         }
         if !lit.is_empty() {
             stage.set_shadows(app, false);
