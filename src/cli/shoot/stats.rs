@@ -159,6 +159,11 @@ impl Maps {
             bytes: texels * size_of::<f32>() as u64,
         }
     }
+
+    /// Texels of all maps.
+    pub(super) fn texels(&self) -> u64 {
+        self.texels
+    }
 }
 
 /// One light view.
