@@ -168,6 +168,7 @@ fn preset(name: &str) -> Result<Technique, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shadow::technique::StockBias;
 
     fn parse(text: &str) -> Result<Args, clap::Error> {
         Args::try_parse_from(text.split_whitespace())
@@ -245,7 +246,7 @@ mod tests {
         assert_eq!(technique("umbrage play city --preset low"), Technique::preset("low"));
         assert_eq!(
             technique("umbrage play --technique bevy"),
-            Some(Technique::Bevy)
+            Some(Technique::Bevy(StockBias::default()))
         );
         assert_eq!(technique("umbrage play --technique bevy --preset low"), None);
     }

@@ -6,7 +6,7 @@ use umbrage::{
     demo::{DemoPlugin, player::Player, screens::Activity, technique::Chosen},
     level::{LevelPlugin, find::asset_root, scene::SceneSource},
     render::{UmbragePlugins, capture},
-    shadow::technique::Technique,
+    shadow::technique::{StockBias, Technique},
     ui::hud::HudRoot,
 };
 
@@ -90,7 +90,7 @@ fn a_room_is_loaded_played_and_seen() {
         "the room is one color"
     );
 
-    app.world_mut().resource_mut::<Chosen>().0 = Technique::Bevy;
+    app.world_mut().resource_mut::<Chosen>().0 = Technique::Bevy(StockBias::default());
     let stock = picture(&mut app, &target);
     let share = differing(&stock, &without);
     assert!(share < 0.2, "the techniques differ by more than their edges: {share}");
