@@ -163,7 +163,11 @@ impl Session<'_> {
             _ => {
                 let loaded = self.app.world().resource::<LoadedScene>();
                 loaded.notes.iter().for_each(remark);
-                (self.shots_of_scene)(loaded)
+                let mut shots = (self.shots_of_scene)(loaded);
+                if !self.args.shot.is_empty() {
+                    shots.extend(loaded.tuning_shots.iter().cloned());
+                }
+                shots
             }
         };
         let shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;
