@@ -34,8 +34,8 @@ pub enum Command {
     Play(Play),
     /// Take pictures of scenes, without a window
     Shoot(Shoot),
-    /// Compare shadow masks with ray-traced truth: a table, report.json, report.md and pictures
-    Judge(Shoot),
+    /// Compare shadow masks with ray-traced truth: a table, report.json, report.md, pictures and plots
+    Judge(Judge),
     /// Say what there is
     List {
         /// What to list
@@ -106,6 +106,20 @@ pub struct Shoot {
     pub out: PathBuf,
 }
 
+/// Arguments of `judge`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct Judge {
+    /// What to judge
+    #[command(flatten)]
+    pub shoot: Shoot,
+    /// Also say what perfectly spread texels would get wrong: five more rays per pixel and texel size
+    #[arg(long)]
+    pub floor: bool,
+    /// Merge the reports of shards in these folders into the first, and judge nothing
+    #[arg(long, value_name = "DIR", num_args = 1.., exclusive = true)]
+    pub merge: Vec<PathBuf>,
+}
+
 /// What `list` lists.
 #[derive(Clone, Debug, Subcommand)]
 pub enum ListWhat {
@@ -154,6 +168,7 @@ fn preset(name: &str) -> Result<Technique, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shadow::technique::StockBias;
 
     fn parse(text: &str) -> Result<Args, clap::Error> {
         Args::try_parse_from(text.split_whitespace())
@@ -202,6 +217,23 @@ mod tests {
     }
 
     #[test]
+    fn judge_takes_what_shoot_takes_or_folders_to_merge() {
+        let judge = |text: &str| match parse(text) {
+            Ok(Args {
+                command: Some(Command::Judge(judge)),
+                ..
+            }) => Some(judge),
+            _ => None,
+        };
+        let asked = judge("umbrage judge forest --floor --shard 2/3").expect("must parse");
+        assert!(asked.floor && asked.merge.is_empty() && asked.shoot.scenes.len() == 1);
+        let merged = judge("umbrage judge --merge a b").expect("must parse");
+        assert_eq!(merged.merge, [PathBuf::from("a"), PathBuf::from("b")]);
+        assert!(merged.shoot.scenes.is_empty());
+        assert!(judge("umbrage judge").is_none() && judge("umbrage judge forest --merge a").is_none());
+    }
+
+    #[test]
     fn play_takes_a_technique_or_a_preset() {
         let technique = |text: &str| match parse(text) {
             Ok(Args {
@@ -212,7 +244,10 @@ mod tests {
         };
         assert_eq!(technique("umbrage play"), Some(Technique::default()));
         assert_eq!(technique("umbrage play city --preset low"), Technique::preset("low"));
-        assert_eq!(technique("umbrage play --technique bevy"), Some(Technique::Bevy));
+        assert_eq!(
+            technique("umbrage play --technique bevy"),
+            Some(Technique::Bevy(StockBias::default()))
+        );
         assert_eq!(technique("umbrage play --technique bevy --preset low"), None);
     }
 

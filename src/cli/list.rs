@@ -2,15 +2,17 @@
 
 use std::{fs, path::Path};
 
+use bevy::math::Vec3;
+
 use super::{Failure, args::ListWhat, pass::Pass, remark, say};
 use crate::{
     level::{
         find::{AssetRoot, EXTENSION, asset_root},
-        format::Level,
+        format::{Level, LevelShot},
         parse::parse,
         scene::SceneSource,
     },
-    shadow::technique::{KEYS, PRESETS, Technique},
+    shadow::technique::{KEYS, PRESETS, StockBias, Technique},
 };
 
 /// Prints a list, one entry per line: name, two spaces at least, meaning.
@@ -37,6 +39,8 @@ fn techniques() {
     for technique in Technique::all() {
         say(format!("{:<20} {}", technique.to_string(), technique.summary()));
     }
+    let tuned = Technique::Bevy(StockBias::TUNED);
+    say(format!("{:<20} {}", tuned.to_string(), tuned.summary()));
     say("\npresets");
     for (name, settings) in PRESETS {
         let technique = Technique::Umbrage(settings);
@@ -59,16 +63,22 @@ fn shots(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
             ));
         }
         SceneSource::Level { name, .. } => {
-            for shot in level(&root, name)?.shots() {
-                let [x, y, z] = shot.position;
-                say(format!(
-                    "{:<20} from ({x}, {y}, {z}), {}x{}, {}..{} m",
-                    shot.name, shot.width, shot.height, shot.near, shot.far
-                ));
+            let level = level(&root, name)?;
+            level.shots.iter().for_each(|shot| say(shot_line(shot)));
+            if !level.tuning_shots.is_empty() {
+                say("\nfor tuning, taken only with --shot");
+                level.tuning_shots.iter().for_each(|shot| say(shot_line(shot)));
             }
         }
     }
     Ok(())
+}
+
+fn shot_line(shot: &LevelShot) -> String {
+    let (Vec3 { x, y, z }, (width, height)) = (shot.position, shot.size);
+    let kind = shot.kind.map(|kind| format!("; {}", kind.about())).unwrap_or_default();
+    let (name, near, far) = (&shot.name, shot.near, shot.far);
+    format!("{name:<20} from ({x}, {y}, {z}), {width}x{height}, {near}..{far} m{kind}")
 }
 
 /// Reads the file of a level.

@@ -84,7 +84,7 @@ fn write_technique(chosen: Res<Chosen>, mut hud: ResMut<HudText>) {
     }
     hud.title = chosen.0.to_string();
     hud.settings = match &chosen.0 {
-        Technique::Bevy => "Bevy's stock cascades\nT: next technique   F1: help".into(),
+        Technique::Bevy(_) => "Bevy's stock cascades\nT: next technique   F1: help".into(),
         Technique::Umbrage(settings) => Setting::ALL
             .iter()
             .zip(1..)

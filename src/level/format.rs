@@ -29,8 +29,11 @@ pub struct Level {
     pub sun: SunSettings,
     /// Where the player starts.
     pub spawn: Spawn,
-    /// Named cameras, at least one.
+    /// Named cameras, at least one: techniques are judged by them, and by nothing else.
     pub shots: Vec<LevelShot>,
+    /// Named cameras at other places under other suns, for choosing settings; taken only when they are named.
+    #[serde(default)]
+    pub tuning_shots: Vec<LevelShot>,
     /// Named camera flights.
     #[serde(default)]
     pub camera_paths: Vec<CameraPath>,
@@ -317,6 +320,44 @@ pub struct LevelShot {
     /// Direction in which sunlight travels; absent: the level's.
     #[serde(default)]
     pub light_dir: Option<Vec3>,
+    /// What makes the shot hard.
+    #[serde(default)]
+    pub kind: Option<ShotKind>,
+}
+
+/// What a shot is there for. Each makes another part of a shadow technique fail first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ShotKind {
+    /// At eye level, the sun less than 20° high: long shadows, texels stretched over the ground.
+    LowSun,
+    /// The sun more than 60° high: light across the view, where warps gain most.
+    Overhead,
+    /// Light travels in the view direction: warps lose their hold.
+    LightBehind,
+    /// Light travels towards the camera: shadows fall towards the viewer.
+    LightAhead,
+    /// A view over 80 m and more: the widest range of depth.
+    LongView,
+    /// Thin things near the camera before a far background.
+    ThinNear,
+    /// None of the others, as a player sees it.
+    Ordinary,
+}
+
+impl ShotKind {
+    /// For lists.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::LowSun => "eye level, low sun",
+            Self::Overhead => "sun overhead",
+            Self::LightBehind => "light behind",
+            Self::LightAhead => "light towards the camera",
+            Self::LongView => "long view",
+            Self::ThinNear => "thin things near, far background",
+            Self::Ordinary => "as a player sees it",
+        }
+    }
 }
 
 fn default_size() -> (u32, u32) {
@@ -391,22 +432,28 @@ fn hermite(a: Vec3, tangent_a: Vec3, b: Vec3, tangent_b: Vec3, t: f32) -> Vec3 {
 impl Level {
     /// The level's shots in the form that the rest of the house uses.
     pub fn shots(&self) -> Vec<Shot> {
-        self.shots
-            .iter()
-            .map(|shot| Shot {
-                scene: Some(self.name.clone()),
-                name: shot.name.clone(),
-                position: shot.position.to_array(),
-                target: shot.target.to_array(),
-                up: [0.0, 1.0, 0.0],
-                fov_y_deg: shot.fov_y_deg,
-                near: shot.near,
-                far: shot.far,
-                width: shot.size.0,
-                height: shot.size.1,
-                light_dir: shot.light_dir.unwrap_or(self.sun.light_dir).to_array(),
-            })
-            .collect()
+        self.shots.iter().map(|shot| self.shot(shot)).collect()
+    }
+
+    /// The same of [`Self::tuning_shots`].
+    pub fn tuning(&self) -> Vec<Shot> {
+        self.tuning_shots.iter().map(|shot| self.shot(shot)).collect()
+    }
+
+    fn shot(&self, shot: &LevelShot) -> Shot {
+        Shot {
+            scene: Some(self.name.clone()),
+            name: shot.name.clone(),
+            position: shot.position.to_array(),
+            target: shot.target.to_array(),
+            up: [0.0, 1.0, 0.0],
+            fov_y_deg: shot.fov_y_deg,
+            near: shot.near,
+            far: shot.far,
+            width: shot.size.0,
+            height: shot.size.1,
+            light_dir: shot.light_dir.unwrap_or(self.sun.light_dir).to_array(),
+        }
     }
 }
 

@@ -59,6 +59,8 @@ pub struct LoadedScene {
     pub name: String,
     /// At least one.
     pub shots: Vec<Shot>,
+    /// For choosing settings; taken only when they are named.
+    pub tuning_shots: Vec<Shot>,
     /// Where a player starts.
     pub spawn: Spawn,
     /// Sun and sky; shots may turn the sun.
@@ -286,6 +288,7 @@ fn loaded(level: &Level, ground: Ground) -> LoadedScene {
     LoadedScene {
         name: level.name.clone(),
         shots: level.shots(),
+        tuning_shots: level.tuning(),
         spawn: level.spawn,
         sun: level.sun,
         ground,

@@ -122,6 +122,7 @@ pub(super) fn advance_gltf(
                             look_at: shot.target.into(),
                         },
                         shots: vec![shot],
+                        tuning_shots: Vec::new(),
                         sun,
                         ground: Ground::flat(min.y),
                         paths: Vec::new(),

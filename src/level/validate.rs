@@ -186,6 +186,11 @@ impl Level {
             name(&field, &shot.name, &mut names)?;
             shot.validate(&field)?;
         }
+        for (i, shot) in self.tuning_shots.iter().enumerate() {
+            let field = format!("tuning_shots[{i}]");
+            name(&field, &shot.name, &mut names)?;
+            shot.validate(&field)?;
+        }
         let mut names = BTreeSet::new();
         for (i, path) in self.camera_paths.iter().enumerate() {
             let field = format!("camera_paths[{i}]");

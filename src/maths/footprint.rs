@@ -1,4 +1,27 @@
 //! Exact footprints of texels and pixels in the world, from the Jacobian of a projection.
+//!
+//! A projection takes a point p to clip = M p and to texel coordinates u = ½ N (clip_x ÷ w), v likewise, for a map of N
+//! texels per side. With the rows m_x and m_w of M (without their last column), the quotient rule gives
+//!
+//! ```text
+//! ∇u = ½ N (m_x − (clip_x ÷ w) m_w) ÷ w          texels per metre, a row of the Jacobian ∂(u, v) ÷ ∂p
+//! ```
+//!
+//! The direction along which u and v both stand still is the ray through p: r = ∇u × ∇v, normalised. In the plane across
+//! the ray the Jacobian is square; its inverse has the columns (∇v × n) ÷ n² and (n × ∇u) ÷ n² with n = ∇u × ∇v: the
+//! world-space steps of one texel, [`Footprint::across`] and [`Footprint::along`]. On a surface through p with normal s the
+//! same texel steps end where the ray meets the surface, at d − r (d · s) ÷ (r · s) ([`Footprint::on_plane`]), which stretches
+//! areas by 1 ÷ |r · s| = 1 ÷ cos θ.
+//!
+//! With the map's steps on the surface T = (t₁ t₂) and the picture's P = (p₁ p₂), both in a basis of the surface, one texel
+//! is the parallelogram P⁻¹ T in pixels. Its area is the aliasing error of Lloyd et al. 2006, equation 1, in both
+//! dimensions at once:
+//!
+//! ```text
+//! |det T| ÷ |det P| = (A_l ÷ cos θ_l) ÷ (A_i ÷ cos θ_i) = (A_l ÷ A_i) · (cos θ_i ÷ cos θ_l) = perspective × projection
+//! ```
+//!
+//! where A_l and A_i are the areas across the rays: w_l² and w_i² of the paper.
 
 use bevy_math::{DMat2, DMat4, DVec2, DVec3, UVec2, Vec4Swizzles};
 
@@ -49,6 +72,12 @@ impl Footprint {
     /// Area in square metres.
     pub fn area(&self) -> f64 {
         self.across.cross(self.along).length()
+    }
+
+    /// World-space steps of one texel in the map's x and y direction on a surface with a unit normal, in metres: where the
+    /// rays of the steps meet the surface. Not finite where the surface is edge-on.
+    pub fn on_plane(&self, normal: DVec3) -> [DVec3; 2] {
+        [self.across, self.along].map(|step| step - self.ray * (step.dot(normal) / self.ray.dot(normal)))
     }
 
     /// Texels per metre along two tangents of a surface.

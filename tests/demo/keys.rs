@@ -3,7 +3,10 @@
 use bevy::prelude::*;
 use umbrage::{
     demo::{input::ROWS, outside::Outside, walker::Mode},
-    shadow::{settings::ShadowPath, technique::Technique},
+    shadow::{
+        settings::ShadowPath,
+        technique::{StockBias, Technique},
+    },
 };
 
 use crate::game::Game;
@@ -86,7 +89,7 @@ fn t_goes_through_all_techniques_and_the_sun_gets_them() {
         let technique = game.technique();
         assert_eq!(game.hud().title, technique.to_string());
         match &technique {
-            Technique::Bevy => assert_eq!(game.sun_settings(), None),
+            Technique::Bevy(_) => assert_eq!(game.sun_settings(), None),
             Technique::Umbrage(settings) => {
                 assert_eq!(game.sun_settings().as_ref(), Some(settings))
             }
@@ -121,11 +124,11 @@ fn digits_change_the_settings_of_the_sun() {
 #[test]
 fn bevy_s_cascades_have_no_settings_and_say_so() {
     let mut game = Game::playing();
-    while game.technique() != Technique::Bevy {
+    while !matches!(game.technique(), Technique::Bevy(_)) {
         game.tap(KeyCode::KeyT);
     }
     game.tap(KeyCode::Digit1);
-    assert_eq!(game.technique(), Technique::Bevy);
+    assert_eq!(game.technique(), Technique::Bevy(StockBias::default()));
     assert!(game.hud().notice.contains("no settings"), "{}", game.hud().notice);
 }
 

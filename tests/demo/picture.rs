@@ -18,7 +18,7 @@ use umbrage::{
         UmbragePlugins, capture,
         mask::{MaskPlugin, ShadowMask},
     },
-    shadow::technique::Technique,
+    shadow::technique::{StockBias, Technique},
     ui::{hud::HudRoot, judge::JudgeRoot},
 };
 
@@ -123,7 +123,7 @@ fn a_room_is_loaded_played_and_seen() {
         "the room is one color"
     );
 
-    app.world_mut().resource_mut::<Chosen>().0 = Technique::Bevy;
+    app.world_mut().resource_mut::<Chosen>().0 = Technique::Bevy(StockBias::default());
     let stock = picture(&mut app, &target);
     let share = differing(&stock, &without);
     assert!(share < 0.2, "the techniques differ by more than their edges: {share}");

@@ -53,6 +53,7 @@ fn shots_stand_in_the_air_above_the_ground() {
         let mut eyes: Vec<(String, Vec3)> = level
             .shots
             .iter()
+            .chain(&level.tuning_shots)
             .map(|shot| (shot.name.clone(), shot.position))
             .collect();
         eyes.push(("spawn".into(), level.spawn.position));
@@ -102,6 +103,61 @@ fn shots_have_the_asked_variety() {
             from_behind && from_ahead && low,
             "{name}: behind {from_behind}, ahead {from_ahead}, low {low}"
         );
+    }
+}
+
+/// Every kind of difficulty has a fixed shot in forest and city, and is what it says; tuning shots stand elsewhere, under
+/// other suns.
+#[test]
+fn fixed_shots_have_their_kinds_and_tuning_shots_are_others() {
+    use ShotKind::{LightAhead, LightBehind, LongView, LowSun, Ordinary, Overhead, ThinNear};
+    for name in ["forest", "city"] {
+        let level = level(name);
+        let ground = scenery::generate(&level).ground;
+        for kind in [LowSun, Overhead, LightBehind, LightAhead, LongView, ThinNear] {
+            assert!(
+                level.shots.iter().any(|shot| shot.kind == Some(kind)),
+                "{name}: {kind:?}"
+            );
+        }
+        for shot in &level.shots {
+            let what = format!("{name} {}", shot.name);
+            let light = shot.light_dir.unwrap_or(level.sun.light_dir).normalize();
+            let view = shot.target - shot.position;
+            let along = |vector: Vec3| vector.with_y(0.0).normalize();
+            let height = shot.position.y - ground.height(shot.position.x, shot.position.z);
+            match shot.kind.unwrap_or_else(|| panic!("{what} has no kind")) {
+                LowSun => assert!(
+                    light.y > -(20.0_f32.to_radians().sin()) - 0.01 && height < 3.0,
+                    "{what}: {height}"
+                ),
+                Overhead => assert!(light.y < -(60.0_f32.to_radians().sin()), "{what}"),
+                LightBehind => assert!(along(view).dot(along(light)) > 0.8, "{what}"),
+                LightAhead => assert!(along(view).dot(along(light)) < -0.8, "{what}"),
+                LongView => assert!(view.length() >= 80.0, "{what}: {} m", view.length()),
+                ThinNear => assert!(shot.near <= 0.1 && height < 4.0, "{what}: {height}"),
+                Ordinary => {}
+            }
+        }
+        assert!(level.tuning_shots.len() >= 3, "{name}");
+        for tuning in &level.tuning_shots {
+            for shot in &level.shots {
+                let apart = tuning.position.distance(shot.position);
+                let suns = [tuning, shot].map(|shot| shot.light_dir.unwrap_or(level.sun.light_dir).normalize());
+                assert!(
+                    apart > 5.0,
+                    "{name}: {} and {} are {apart} m apart",
+                    tuning.name,
+                    shot.name
+                );
+                assert!(
+                    suns[0].dot(suns[1]) < 0.99,
+                    "{name}: {} and {} have one sun",
+                    tuning.name,
+                    shot.name
+                );
+            }
+        }
     }
 }
 
@@ -193,6 +249,11 @@ fn wrong_values_are_named() {
         ("shots", Box::new(|l| l.shots.clear())),
         ("shots", Box::new(|l| l.shots[1].name = l.shots[0].name.clone())),
         ("shots[0].name", Box::new(|l| l.shots[0].name.clear())),
+        (
+            "tuning_shots",
+            Box::new(|l| l.tuning_shots[1].name = l.shots[0].name.clone()),
+        ),
+        ("tuning_shots[0].far", Box::new(|l| l.tuning_shots[0].far = 0.0)),
         ("shots[1].position", Box::new(move |l| l.shots[1].position.x = nan)),
         (
             "shots[1].target",

@@ -1,6 +1,6 @@
 //! Footprints: the matrix pipeline against the error formulas.
 
-use bevy_math::{DMat4, DVec3, UVec2};
+use bevy_math::{DMat4, DVec2, DVec3, UVec2};
 use umbrage::maths::{
     error::{error_across, error_along},
     footprint::{texel_footprint, texels_on_pixels},
@@ -58,8 +58,8 @@ fn footprints_step_by_one_texel_in_the_light_plane() {
     let step = 1.0e-3;
     let across = (texel(point + footprint.across * step) - texel(point)) / step;
     let along = (texel(point + footprint.along * step) - texel(point)) / step;
-    assert!(across.distance(bevy_math::DVec2::X) < 1.0e-3, "{across}");
-    assert!(along.distance(bevy_math::DVec2::Y) < 1.0e-3, "{along}");
+    assert!(across.distance(DVec2::X) < 1.0e-3, "{across}");
+    assert!(along.distance(DVec2::Y) < 1.0e-3, "{along}");
     close(
         footprint.area(),
         footprint.across.cross(footprint.along).length(),
@@ -125,4 +125,49 @@ fn points_without_a_footprint() {
     assert_eq!(texel_footprint(&light.clip_from_world, SIZE, DVec3::NAN), None);
     assert_eq!(texel_footprint(&DMat4::ZERO, SIZE, DVec3::ZERO), None);
     assert_eq!(texel_footprint(&DMat4::IDENTITY, UVec2::ZERO, DVec3::ZERO), None);
+}
+
+/// The Jacobian from the map to the picture over a tilted surface, by moving a point in the map and watching it in the
+/// picture: central differences through the inverse light matrix, no footprint involved.
+#[test]
+fn texels_in_the_picture_are_finite_differences() {
+    let view = papers_camera(1.0, 100.0);
+    let light = fit(&view, &huge_scene(), DVec3::new(0.3, -1.0, 0.4), Warp::Lispsm);
+    let camera = DMat4::perspective_rh(60.0_f64.to_radians(), 1.6, 1.0, 100.0);
+    let (map_size, picture_size) = (UVec2::new(2048, 512), UVec2::new(1600, 1000));
+    let point = DVec3::new(2.0, -1.5, -12.0);
+    for normal in [DVec3::Y, DVec3::new(0.4, 0.8, -0.3).normalize()] {
+        // Where the ray of a texel meets the surface: two points of the ray, then the plane.
+        let world_from_clip = light.clip_from_world.inverse();
+        let on_surface = |texel: DVec2| {
+            let ndc = texel / map_size.as_dvec2() * 2.0;
+            let [start, end] = [0.2, 0.8].map(|depth| world_from_clip.project_point3(ndc.extend(depth)));
+            let share = (point - start).dot(normal) / (end - start).dot(normal);
+            start + (end - start) * share
+        };
+        let pixel = |texel: DVec2| camera.project_point3(on_surface(texel)).truncate() * picture_size.as_dvec2() * 0.5;
+        let here = light.clip_from_world.project_point3(point).truncate() * map_size.as_dvec2() * 0.5;
+        assert!(on_surface(here).distance(point) < 1.0e-6, "{}", on_surface(here));
+        let step = 1.0e-3;
+        let difference = |axis: DVec2| (pixel(here + axis * step) - pixel(here - axis * step)) / (2.0 * step);
+        let (across, along) = (difference(DVec2::X), difference(DVec2::Y));
+
+        let texel = texel_footprint(&light.clip_from_world, map_size, point).expect("in front");
+        let footprint = texel_footprint(&camera, picture_size, point).expect("in front");
+        let ratio = texels_on_pixels(&texel, &footprint, normal).expect("not edge-on");
+        close(ratio.across, across.length(), 1.0e-5);
+        close(ratio.along, along.length(), 1.0e-5);
+        close(ratio.area, across.perp_dot(along).abs(), 1.0e-5);
+        // The longest extent over all directions of the map, by trying them.
+        let longest = (0..36_000)
+            .map(|i| DVec2::from_angle(f64::from(i) * 1.0e-4))
+            .map(|turn| (across * turn.x + along * turn.y).length())
+            .fold(0.0, f64::max);
+        close(ratio.largest, longest, 1.0e-5);
+
+        let [step_across, step_along] = texel.on_plane(normal);
+        let world = |axis: DVec2| (on_surface(here + axis * step) - on_surface(here - axis * step)) / (2.0 * step);
+        assert!(step_across.distance(world(DVec2::X)) < 1.0e-5 * step_across.length());
+        assert!(step_along.distance(world(DVec2::Y)) < 1.0e-5 * step_along.length());
+    }
 }

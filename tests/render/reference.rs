@@ -203,6 +203,19 @@ fn instances_share_their_mesh() {
     assert!(forest.bytes() < 64 << 20, "{} bytes", forest.bytes());
     assert!(forest.is_in_shadow(DVec3::new(400.0, -5.0, 400.0), DVec3::Y, 0.001));
     assert!(!forest.is_in_shadow(DVec3::new(402.0, -5.0, 402.0), DVec3::Y, 0.001));
+    let statistics = forest.statistics();
+    assert_eq!(
+        (
+            statistics.instances,
+            statistics.casters,
+            statistics.meshes,
+            statistics.triangles
+        ),
+        (100_000, 100_000, 1, 1_200_000)
+    );
+    // 400 × 250 cubes of 2 m, 4 m apart.
+    let area = (399.0 * 4.0 + 2.0) * (249.0 * 4.0 + 2.0);
+    assert!((statistics.area_m2 / area - 1.0).abs() < 1.0e-4, "{statistics:?}");
 }
 
 #[test]

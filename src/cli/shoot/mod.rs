@@ -18,7 +18,7 @@ use super::{
     Failure,
     args::{NamedTechnique, Shoot},
     headless,
-    judge::Report,
+    judge::{Judge, Judged},
     pass::Pass,
     pictures, remark, say,
     shots::{self, Shard, ShotError},
@@ -38,17 +38,18 @@ pub(super) fn run(assets: Option<&Path>, args: &Shoot) -> Result<(), Failure> {
 }
 
 /// The same, and judges every take.
-pub(super) fn run_judging(assets: Option<&Path>, args: &Shoot) -> Result<Report, Failure> {
-    run_with(assets, args, Some(Report::default()), |scene| scene.shots.clone()).map(Option::unwrap_or_default)
+pub(super) fn run_judging(assets: Option<&Path>, args: &Shoot, judge: Judge) -> Result<Judge, Failure> {
+    let judged = run_with(assets, args, Some(judge), |scene| scene.shots.clone())?;
+    judged.ok_or_else(|| Failure::Failed("nothing was judged".to_owned()))
 }
 
 /// The same, with a choice of shots for scenes where no file of shots was given.
 pub(super) fn run_with(
     assets: Option<&Path>,
     args: &Shoot,
-    judge: Option<Report>,
+    judge: Option<Judge>,
     shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
-) -> Result<Option<Report>, Failure> {
+) -> Result<Option<Judge>, Failure> {
     let root = asset_root(assets).map_err(Failure::failed)?;
     for scene in &args.scenes {
         scene.check(&root).map_err(Failure::failed)?;
@@ -112,7 +113,7 @@ struct Session<'a> {
     place: usize,
     bar: ProgressBar,
     /// What judging has found; `None`: pictures only.
-    judge: Option<Report>,
+    judge: Option<Judge>,
 }
 
 impl Session<'_> {
@@ -129,8 +130,8 @@ impl Session<'_> {
             return Err(Failure::Failed(format!("{scene} has no sun")));
         };
         self.bar.inc_length((shots.len() * self.args.techniques.len()) as u64);
-        for shot in shots {
-            self.shoot_shot(&scene, &shot, sun)?;
+        for (place, shot) in shots {
+            self.shoot_shot(&scene, place, &shot, sun)?;
         }
         Ok(())
     }
@@ -155,22 +156,26 @@ impl Session<'_> {
         }
     }
 
-    /// The shots to take of the scene just loaded, checked and in the size asked for.
-    fn shots_of(&mut self, scene: &str) -> Result<Vec<Shot>, Failure> {
+    /// The shots to take of the scene just loaded, checked and in the size asked for, with their places among all shots.
+    fn shots_of(&mut self, scene: &str) -> Result<Vec<(usize, Shot)>, Failure> {
         let all = match (&self.from_file, &self.args.shots) {
             (Some(shots), Some(file)) => of_file(shots, file, scene)?,
             _ => {
                 let loaded = self.app.world().resource::<LoadedScene>();
                 loaded.notes.iter().for_each(remark);
-                (self.shots_of_scene)(loaded)
+                let mut shots = (self.shots_of_scene)(loaded);
+                if !self.args.shot.is_empty() {
+                    shots.extend(loaded.tuning_shots.iter().cloned());
+                }
+                shots
             }
         };
-        let mut shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;
+        let shots = shots::named(all, &self.args.shot, scene).map_err(Failure::usage)?;
         let first = self.place;
         self.place += shots.len();
-        let mut place = first..;
-        shots.retain(|_| place.next().is_some_and(|place| self.args.shard.takes(place)));
-        for shot in &mut shots {
+        let mut shots: Vec<(usize, Shot)> = (first..).zip(shots).collect();
+        shots.retain(|(place, _)| self.args.shard.takes(*place));
+        for (_, shot) in &mut shots {
             if let Some(size) = self.args.size {
                 (shot.width, shot.height) = (size.width, size.height);
             }
@@ -186,10 +191,10 @@ impl Session<'_> {
     }
 
     /// All techniques of one shot.
-    fn shoot_shot(&mut self, scene: &str, shot: &Shot, sun: Entity) -> Result<(), Failure> {
+    fn shoot_shot(&mut self, scene: &str, place: usize, shot: &Shot, sun: Entity) -> Result<(), Failure> {
         let stage = Stage::new(&mut self.app, shot, sun, &self.args.passes);
         if let Some(judge) = &mut self.judge {
-            judge.begin_shot();
+            judge.begin_shot(place);
         }
         for technique in &self.args.techniques {
             self.bar
@@ -231,8 +236,16 @@ impl Session<'_> {
         };
         let mut texels: Vec<_> = shaded.into_iter().zip(settled.texels).collect();
         if let Some(judge) = &mut self.judge {
-            judge.judge(app, (scene, shot, technique), &texels, &self.args.out, &self.bar)?;
-            judge.write(&self.args.out)?;
+            let judged = Judged {
+                scene,
+                shot,
+                technique,
+                sun,
+                camera: stage.camera(),
+                texels: &texels,
+                texels_drawn: take.maps.texels(),
+            };
+            judge.judge(app, &judged, &self.args.out, &self.bar)?;
         }
         if !lit.is_empty() {
             stage.set_shadows(app, false);

@@ -25,7 +25,10 @@ use crate::{
         capture::{self, Texels},
         mask::ShadowMask,
     },
-    shadow::technique::Technique,
+    shadow::{
+        settings::SunShadows,
+        technique::{StockBias, Technique},
+    },
 };
 
 /// Frames after which a picture that never stands still is taken all the same.
@@ -117,9 +120,13 @@ impl Stage {
     /// Makes a technique the sun's. Stock cascades get the shot's far plane as their end, and keep their other defaults.
     pub(super) fn apply(&self, app: &mut App, technique: &Technique) {
         let world = app.world_mut();
+        if world.get::<SunShadows>(self.sun).is_none() {
+            // What stock cascades with other biases have left would show in fallback maps.
+            StockBias::default().write(&mut world.entity_mut(self.sun));
+        }
         technique.apply(&mut world.commands().entity(self.sun));
         world.flush();
-        if *technique == Technique::Bevy {
+        if matches!(technique, Technique::Bevy(_)) {
             world.insert_resource(DirectionalLightShadowMap::default());
             world.entity_mut(self.sun).insert(stock_cascades(self.far));
         }

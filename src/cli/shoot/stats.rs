@@ -159,6 +159,11 @@ impl Maps {
             bytes: texels * size_of::<f32>() as u64,
         }
     }
+
+    /// Texels of all maps.
+    pub(super) fn texels(&self) -> u64 {
+        self.texels
+    }
 }
 
 /// One light view.
@@ -220,7 +225,7 @@ pub(super) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
         .get_resource::<DirectionalLightShadowMap>()
         .map_or(0, |map| u32::try_from(map.size).unwrap_or(u32::MAX));
     match technique {
-        Technique::Bevy => {
+        Technique::Bevy(_) => {
             let config = app.world().get::<CascadeShadowConfig>(sun);
             let count = config.map_or(0, |config| u32::try_from(config.bounds.len()).unwrap_or(u32::MAX));
             Maps::new(count, bevy_size, 0)
@@ -271,7 +276,7 @@ pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Techn
 
 fn matrices_of(world: &World, sun: Entity, camera: Entity, technique: &Technique) -> Vec<View> {
     match technique {
-        Technique::Bevy => {
+        Technique::Bevy(_) => {
             let (Some(cascades), Some(config)) = (
                 world
                     .get::<Cascades>(sun)

@@ -183,7 +183,7 @@ fn wait_for_frame(world: &mut World) {
                 let (depths, rows_done) = (judging.frame.depths(), Arc::clone(&judging.rows_done));
                 judging.truth = Some(AsyncComputeTaskPool::get().spawn(async move {
                     let progress = |rows| rows_done.store(rows, Ordering::Relaxed);
-                    pixels::trace(&scene, &rays, &depths, far, to_light, progress)
+                    pixels::trace(&scene, &rays, &depths, far, to_light, progress).truth
                 }));
             }
         },

@@ -1,6 +1,7 @@
 //! A mask against truth: [`Accuracy`].
 
 use bevy::math::UVec2;
+use serde::{Deserialize, Serialize};
 
 use super::pixels::PixelTruth;
 
@@ -9,6 +10,44 @@ pub const BAND: i32 = 3;
 
 /// Mask values above it are lit.
 pub const LIT_ABOVE: u8 = 127;
+
+/// How many pixels there are of every kind; together they are the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Kinds {
+    /// [`PixelTruth::Sky`].
+    pub sky: u32,
+    /// [`PixelTruth::Unmatched`].
+    pub unmatched: u32,
+    /// [`PixelTruth::FacesAway`].
+    pub faces_away: u32,
+    /// [`PixelTruth::Edge`].
+    pub edge: u32,
+    /// [`PixelTruth::Unsure`].
+    pub unsure: u32,
+    /// [`PixelTruth::Lit`].
+    pub lit: u32,
+    /// [`PixelTruth::Shadow`].
+    pub shadow: u32,
+}
+
+impl Kinds {
+    /// Counts the pixels of a picture.
+    pub fn of(truth: &[PixelTruth]) -> Self {
+        let mut kinds = Self::default();
+        for pixel in truth {
+            *match pixel {
+                PixelTruth::Sky => &mut kinds.sky,
+                PixelTruth::Unmatched => &mut kinds.unmatched,
+                PixelTruth::FacesAway => &mut kinds.faces_away,
+                PixelTruth::Edge => &mut kinds.edge,
+                PixelTruth::Unsure => &mut kinds.unsure,
+                PixelTruth::Lit => &mut kinds.lit,
+                PixelTruth::Shadow => &mut kinds.shadow,
+            } += 1;
+        }
+        kinds
+    }
+}
 
 /// Counts of pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +61,8 @@ pub struct Counts {
 }
 
 impl Counts {
-    fn add(&mut self, truth_lit: bool, mask_lit: bool) {
+    /// Counts one valid pixel.
+    pub fn add(&mut self, truth_lit: bool, mask_lit: bool) {
         self.valid += 1;
         match (truth_lit, mask_lit) {
             (true, false) => self.false_shadow += 1,
@@ -60,20 +100,30 @@ pub struct Accuracy {
 /// Compares a mask (255 lit, 0 in shadow, row 0 on top) with truth. Lists of different lengths are compared as far as
 /// both go.
 pub fn compare(size: UVec2, mask: &[u8], truth: &[PixelTruth]) -> Accuracy {
-    let mut accuracy = Accuracy {
+    let band = edge_band(size, truth);
+    Accuracy {
         pixels: size.x * size.y,
-        ..Accuracy::default()
-    };
+        overall: count_where(mask, truth, |_| true),
+        band: count_where(mask, truth, |index| band[index]),
+    }
+}
+
+/// Compares the valid pixels of which `counts` is true, by their index.
+pub fn count_where(mask: &[u8], truth: &[PixelTruth], counts: impl Fn(usize) -> bool) -> Counts {
+    let mut sum = Counts::default();
     for (index, (value, pixel)) in mask.iter().zip(truth).enumerate() {
-        if pixel.is_valid() {
-            let (truth_lit, mask_lit) = (*pixel == PixelTruth::Lit, *value > LIT_ABOVE);
-            accuracy.overall.add(truth_lit, mask_lit);
-            if is_near_edge(size, truth, index) {
-                accuracy.band.add(truth_lit, mask_lit);
-            }
+        if pixel.is_valid() && counts(index) {
+            sum.add(*pixel == PixelTruth::Lit, *value > LIT_ABOVE);
         }
     }
-    accuracy
+    sum
+}
+
+/// Which valid pixels lie within [`BAND`] of a true shadow edge.
+pub fn edge_band(size: UVec2, truth: &[PixelTruth]) -> Vec<bool> {
+    (0..truth.len())
+        .map(|index| truth[index].is_valid() && is_near_edge(size, truth, index))
+        .collect()
 }
 
 fn is_near_edge(size: UVec2, truth: &[PixelTruth], index: usize) -> bool {
@@ -133,6 +183,30 @@ mod tests {
             }
         );
         assert!((accuracy.overall.wrong_share() - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_pixel_has_one_kind() {
+        let kinds = Kinds::of(&TRUTH);
+        let expected = Kinds {
+            sky: 1,
+            edge: 1,
+            lit: 6,
+            shadow: 4,
+            ..Kinds::default()
+        };
+        assert_eq!(kinds, expected);
+        let others = Kinds::of(&[PixelTruth::Unmatched, PixelTruth::FacesAway, PixelTruth::Unsure]);
+        assert_eq!((others.unmatched, others.faces_away, others.unsure), (1, 1, 1));
+    }
+
+    #[test]
+    fn chosen_pixels_are_counted_alone() {
+        let mask = [0; 12];
+        let band = edge_band(SIZE, &TRUTH);
+        let outside = count_where(&mask, &TRUTH, |index| !band[index]);
+        // Pixels 0, 1, 2 are lit and outside, 9 and 10 in shadow and outside.
+        assert_eq!((outside.valid, outside.false_shadow, outside.false_lit), (5, 3, 0));
     }
 
     #[test]

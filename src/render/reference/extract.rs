@@ -28,8 +28,10 @@ pub enum TruthError {
     /// Anything but triangle lists.
     #[error("meshes of {0:?} have no truth: only triangle lists do")]
     Topology(PrimitiveTopology),
-    /// A texture of an alpha-masked material.
-    #[error("the alpha of a texture of format {0:?} cannot be read: only RGBA with 8 bits can, in main memory")]
+    /// A texture of an alpha-masked material that is compressed, layered, or not in main memory.
+    #[error(
+        "the alpha of a texture of format {0:?} cannot be read: use an uncompressed one, loaded with `RenderAssetUsages::MAIN_WORLD`"
+    )]
     Texture(TextureFormat),
 }
 
@@ -180,13 +182,75 @@ fn alpha_of(material: &StandardMaterial, images: Option<&Assets<Image>>) -> Resu
         .as_ref()
         .and_then(|texture| images?.get(texture));
     if let Some(image) = image {
-        let format = image.texture_descriptor.format;
-        let (Some(data), TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb) = (&image.data, format) else {
-            return Err(TruthError::Texture(format));
-        };
         (mask.width, mask.height) = (image.width(), image.height());
-        let texels = mask.width as usize * mask.height as usize;
-        mask.alpha = data.chunks_exact(4).take(texels).map(|texel| texel[3]).collect();
+        mask.alpha = alpha_texels(image)?;
     }
     Ok(Some(mask))
+}
+
+/// Alpha of mip 0, row 0 on top, rounded to 8 bits; formats without alpha are solid, as for the GPU.
+fn alpha_texels(image: &Image) -> Result<Vec<u8>, TruthError> {
+    let format = image.texture_descriptor.format;
+    if let (Some(data), TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb) = (&image.data, format) {
+        let texels = image.width() as usize * image.height() as usize;
+        return Ok(data.chunks_exact(4).take(texels).map(|texel| texel[3]).collect());
+    }
+    let places = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    places
+        .map(|(x, y)| {
+            let color = image.get_color_at(x, y).map_err(|_| TruthError::Texture(format))?;
+            Ok((color.alpha().clamp(0.0, 1.0) * 255.0).round() as u8)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::{
+        asset::RenderAssetUsages,
+        render::render_resource::{Extent3d, TextureDimension},
+    };
+
+    use super::*;
+
+    fn image(format: TextureFormat, data: &[u8]) -> Image {
+        let size = Extent3d {
+            width: 2,
+            height: 1,
+            depth_or_array_layers: 1,
+        };
+        let mut image = Image::new_uninit(size, TextureDimension::D2, format, RenderAssetUsages::all());
+        image.data = Some(data.to_vec());
+        image
+    }
+
+    #[test]
+    fn alpha_is_read_from_what_bevy_can_read() {
+        let half = 0.25_f32.to_le_bytes();
+        let one = 1.0_f32.to_le_bytes();
+        let floats: Vec<u8> = [[one, one, one, half], [one, one, one, one]].concat().concat();
+        for (format, data, alpha) in [
+            (TextureFormat::Rgba8UnormSrgb, &[1, 2, 3, 4, 5, 6, 7, 8][..], [4, 8]),
+            (TextureFormat::Bgra8UnormSrgb, &[1, 2, 3, 4, 5, 6, 7, 8], [4, 8]),
+            (TextureFormat::R8Unorm, &[0, 9], [255, 255]),
+            (TextureFormat::Rg8Unorm, &[0, 0, 9, 9], [255, 255]),
+            (
+                TextureFormat::Rgba16Unorm,
+                &[0, 0, 0, 0, 0, 0, 255, 127, 0, 0, 0, 0, 0, 0, 255, 255],
+                [127, 255],
+            ),
+            (TextureFormat::Rgba32Float, &floats, [64, 255]),
+        ] {
+            assert_eq!(alpha_texels(&image(format, data)), Ok(alpha.to_vec()), "{format:?}");
+        }
+        for format in [TextureFormat::Bc7RgbaUnorm, TextureFormat::Rgba16Snorm] {
+            assert_eq!(alpha_texels(&image(format, &[0; 16])), Err(TruthError::Texture(format)));
+        }
+        let mut on_the_gpu = image(TextureFormat::Rgba8Unorm, &[]);
+        on_the_gpu.data = None;
+        assert_eq!(
+            alpha_texels(&on_the_gpu),
+            Err(TruthError::Texture(TextureFormat::Rgba8Unorm))
+        );
+    }
 }

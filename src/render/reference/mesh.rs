@@ -137,6 +137,12 @@ impl TruthMesh {
         self.bounds
     }
 
+    /// Triangles with an area.
+    #[expect(clippy::len_without_is_empty, reason = "a mesh without triangles is not made")]
+    pub fn len(&self) -> usize {
+        self.indices.len()
+    }
+
     /// Bytes of triangles and tree.
     pub fn bytes(&self) -> usize {
         size_of_val(self.positions.as_slice())

@@ -9,10 +9,16 @@
 //! 4. [`pixels`]: truth for every pixel of a picture, from the depths that the GPU wrote; what makes a pixel valid.
 //! 5. [`accuracy`]: a technique's mask against truth, overall and near true shadow edges.
 //! 6. [`pictures`]: both as pictures.
+//! 7. [`light_maps`]: the maps of a technique, and which of them a pixel reads.
+//! 8. [`sampling`]: texel ÷ pixel of every valid pixel, and how many texels visible receivers touch.
+//! 9. [`floor`]: what perfectly spread texels would get wrong.
 
 pub mod accuracy;
 pub mod extract;
+pub mod floor;
+pub mod light_maps;
 pub mod mesh;
 pub mod pictures;
 pub mod pixels;
+pub mod sampling;
 pub mod scene;

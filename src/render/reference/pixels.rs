@@ -7,7 +7,7 @@ use std::{
 };
 
 use bevy::{
-    math::{DVec3, Dir3, UVec2},
+    math::{DMat4, DVec3, Dir3, UVec2},
     transform::components::Transform,
 };
 
@@ -53,10 +53,19 @@ impl PixelRays {
         let aspect = size.x / size.y;
         self.forward + self.right * (ndc_x * self.tan_half_fov_y * aspect) + self.up * (ndc_y * self.tan_half_fov_y)
     }
+
+    /// The same camera as a matrix, with its far plane at infinity and its near plane at 1 m: neither changes where a point
+    /// is in the picture.
+    pub fn clip_from_world(&self) -> DMat4 {
+        let size = self.size.as_dvec2();
+        let opening = 2.0 * self.tan_half_fov_y.atan();
+        let clip_from_view = DMat4::perspective_infinite_reverse_rh(opening, size.x / size.y, 1.0);
+        clip_from_view * DMat4::look_to_rh(self.eye, self.forward, self.up)
+    }
 }
 
 /// What is true of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PixelTruth {
     /// No surface nearer than far.
     Sky,
@@ -93,20 +102,42 @@ pub const OFFSETS: [f64; 2] = [0.0005, 0.002];
 /// The GPU's depth and the scene's differ at most by this share of the depth.
 const DEPTH_TOLERANCE: f64 = 2.0e-3;
 
-#[derive(Clone, Copy)]
-struct Point {
-    position: DVec3,
-    normal: DVec3,
-    depth: f64,
+/// The surface that a pixel sees, at the pixel's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// In the world.
+    pub position_world: DVec3,
+    /// Geometric unit normal in the world, turned to the viewer.
+    pub normal_world: DVec3,
+    /// View depth in metres.
+    pub view_depth: f64,
 }
 
+/// A picture's surfaces and what is true of them, row 0 on top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Traced {
+    /// One per pixel.
+    pub truth: Vec<PixelTruth>,
+    /// One per pixel; `None`: sky or unmatched.
+    pub points: Vec<Option<SurfacePoint>>,
+}
+
+impl Traced {
+    /// The surface of a pixel that counts.
+    pub fn valid_point(&self, index: usize) -> Option<&SurfacePoint> {
+        let is_valid = self.truth.get(index).is_some_and(|truth| truth.is_valid());
+        is_valid.then(|| self.points.get(index)?.as_ref()).flatten()
+    }
+}
+
+#[derive(Clone, Copy)]
 enum Seen {
     Sky,
     Unmatched,
-    Point(Point),
+    Point(SurfacePoint),
 }
 
-/// Truth for every pixel, row 0 on top, on all cores.
+/// Truth for every pixel, row 0 on top, on all cores. Empty where the picture is.
 ///
 /// `depths` are the view depths in metres that the GPU wrote, 0 where it drew nothing: rays to the sun start there.
 /// Normals are those of the triangle that the scene has at that depth. `progress` is called with the number of rows
@@ -118,24 +149,32 @@ pub fn trace(
     far: f64,
     direction_to_light: DVec3,
     progress: impl Fn(usize) + Sync,
-) -> Vec<PixelTruth> {
+) -> Traced {
     let (width, height) = (rays.size.x as usize, rays.size.y as usize);
     if width == 0 || height == 0 || depths.len() < width * height {
-        return Vec::new();
+        return Traced::default();
     }
     let to_light = direction_to_light.normalize_or_zero();
     let rows_done = AtomicUsize::new(0);
     let seen: Vec<Seen> = rows(width, height, |x, y| see(scene, rays, depths, far, x, y), &|| {});
-    rows(
+    let truth = rows(
         width,
         height,
         |x, y| judge(scene, &seen, rays.size, to_light, x, y),
         &|| progress(rows_done.fetch_add(1, Ordering::Relaxed) + 1),
-    )
+    );
+    let points = seen.into_iter().map(|seen| match seen {
+        Seen::Point(point) => Some(point),
+        _ => None,
+    });
+    Traced {
+        truth,
+        points: points.collect(),
+    }
 }
 
 /// Fills a picture row by row on all cores.
-fn rows<T: Send>(
+pub(super) fn rows<T: Send>(
     width: usize,
     height: usize,
     pixel: impl Fn(usize, usize) -> T + Sync,
@@ -181,10 +220,10 @@ fn see(scene: &TruthScene, rays: &PixelRays, depths: &[f32], far: f64, x: usize,
     let direction = rays.direction(x as f64 + 0.5, y as f64 + 0.5);
     let tolerance = depth * DEPTH_TOLERANCE;
     match scene.first_surface(rays.eye, direction, depth - tolerance, depth + tolerance) {
-        Some(surface) => Seen::Point(Point {
-            position: rays.eye + direction * depth,
-            normal: surface.normal_world,
-            depth,
+        Some(surface) => Seen::Point(SurfacePoint {
+            position_world: rays.eye + direction * depth,
+            normal_world: surface.normal_world,
+            view_depth: depth,
         }),
         None => Seen::Unmatched,
     }
@@ -197,7 +236,7 @@ fn judge(scene: &TruthScene, seen: &[Seen], size: UVec2, to_light: DVec3, x: usi
         Seen::Unmatched => return PixelTruth::Unmatched,
         Seen::Point(point) => point,
     };
-    if point.normal.dot(to_light) <= SMALLEST_COSINE {
+    if point.normal_world.dot(to_light) <= SMALLEST_COSINE {
         return PixelTruth::FacesAway;
     }
     let at = |x: usize, y: usize| match &seen[y * width + x] {
@@ -215,7 +254,7 @@ fn judge(scene: &TruthScene, seen: &[Seen], size: UVec2, to_light: DVec3, x: usi
             }
         }
     }
-    let [near, far] = OFFSETS.map(|offset| scene.is_in_shadow(point.position, to_light, offset));
+    let [near, far] = OFFSETS.map(|offset| scene.is_in_shadow(point.position_world, to_light, offset));
     match (near, far) {
         (true, true) => PixelTruth::Shadow,
         (false, false) => PixelTruth::Lit,
@@ -223,11 +262,11 @@ fn judge(scene: &TruthScene, seen: &[Seen], size: UVec2, to_light: DVec3, x: usi
     }
 }
 
-fn is_edge(a: Option<&Point>, b: Option<&Point>) -> bool {
+fn is_edge(a: Option<&SurfacePoint>, b: Option<&SurfacePoint>) -> bool {
     let (Some(a), Some(b)) = (a, b) else {
         return true;
     };
-    let between = b.position - a.position;
-    let step = between.dot(a.normal).abs().max(between.dot(b.normal).abs());
-    a.normal.dot(b.normal) < EDGE_COSINE || step > EDGE_STEP * a.depth.min(b.depth)
+    let between = b.position_world - a.position_world;
+    let step = between.dot(a.normal_world).abs().max(between.dot(b.normal_world).abs());
+    a.normal_world.dot(b.normal_world) < EDGE_COSINE || step > EDGE_STEP * a.view_depth.min(b.view_depth)
 }

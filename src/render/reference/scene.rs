@@ -7,6 +7,7 @@ use obvhs::{
     BvhBuildParams,
     cwbvh::{CwBvh, builder::build_cwbvh},
 };
+use serde::{Deserialize, Serialize};
 
 use super::mesh::{AlphaMask, LocalRay, TriangleHit, TruthMesh, padded, tree_ray};
 
@@ -33,6 +34,25 @@ pub struct Surface {
     pub t: f64,
     /// Geometric unit normal, turned to where the ray comes from.
     pub normal_world: DVec3,
+}
+
+/// What is in a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneStatistics {
+    /// Meshes in the world.
+    pub instances: usize,
+    /// Those that cast shadows.
+    pub casters: usize,
+    /// Different meshes.
+    pub meshes: usize,
+    /// Triangles of all instances.
+    pub triangles: u64,
+    /// Lower corner of the box around everything, in metres.
+    pub bounds_min_m: [f32; 3],
+    /// Upper corner.
+    pub bounds_max_m: [f32; 3],
+    /// Ground that the box covers, in square metres.
+    pub area_m2: f64,
 }
 
 struct Placed {
@@ -65,17 +85,8 @@ impl TruthScene {
         let boxes: Vec<_> = placed
             .iter()
             .map(|placed| {
-                let (min, max) = placed.instance.mesh.bounds();
-                let corner = |index: usize| {
-                    let pick = |bit: usize, low: f32, high: f32| if index >> bit & 1 == 0 { low } else { high };
-                    let corner = Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
-                    placed.world_from_local.transform_point3(corner.as_dvec3()).as_vec3()
-                };
-                let corners: [Vec3; 8] = std::array::from_fn(corner);
-                padded(
-                    corners.into_iter().fold(Vec3::INFINITY, Vec3::min),
-                    corners.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max),
-                )
+                let (min, max) = placed.bounds_world();
+                padded(min, max)
             })
             .collect();
         let tree =
@@ -93,15 +104,41 @@ impl TruthScene {
         self.placed.is_empty()
     }
 
-    /// Bytes of instances and trees; meshes count once.
-    pub fn bytes(&self) -> usize {
+    /// What is in it.
+    pub fn statistics(&self) -> SceneStatistics {
+        let triangles = self.placed.iter().map(|placed| placed.instance.mesh.len() as u64);
+        let (min, max) = self
+            .placed
+            .iter()
+            .map(|placed| placed.bounds_world())
+            .reduce(|(min, max), (other_min, other_max)| (min.min(other_min), max.max(other_max)))
+            .unwrap_or_default();
+        let size = (max - min).as_dvec3();
+        SceneStatistics {
+            instances: self.placed.len(),
+            casters: self.placed.iter().filter(|placed| placed.instance.casts).count(),
+            meshes: self.meshes().len(),
+            triangles: triangles.sum(),
+            bounds_min_m: min.to_array(),
+            bounds_max_m: max.to_array(),
+            area_m2: size.x * size.z,
+        }
+    }
+
+    /// Every mesh once.
+    fn meshes(&self) -> Vec<&Arc<TruthMesh>> {
         let mut meshes: Vec<_> = self.placed.iter().map(|placed| &placed.instance.mesh).collect();
         meshes.sort_by_key(|mesh| Arc::as_ptr(mesh));
         meshes.dedup_by_key(|mesh| Arc::as_ptr(mesh));
+        meshes
+    }
+
+    /// Bytes of instances and trees; meshes count once.
+    pub fn bytes(&self) -> usize {
         let tree = self.tree.as_ref().map_or(0, |tree| {
             size_of_val(tree.nodes.as_slice()) + size_of_val(tree.primitive_indices.as_slice())
         });
-        size_of_val(self.placed.as_slice()) + tree + meshes.iter().map(|mesh| mesh.bytes()).sum::<usize>()
+        size_of_val(self.placed.as_slice()) + tree + self.meshes().iter().map(|mesh| mesh.bytes()).sum::<usize>()
     }
 
     /// Whether something that casts shadows lies on the way from a world-space point to the sun, from `offset` metres on.
@@ -170,6 +207,21 @@ impl TruthScene {
 }
 
 impl Placed {
+    /// Corners of the box in the world around the box of the mesh.
+    fn bounds_world(&self) -> (Vec3, Vec3) {
+        let (min, max) = self.instance.mesh.bounds();
+        let corner = |index: usize| {
+            let pick = |bit: usize, low: f32, high: f32| if index >> bit & 1 == 0 { low } else { high };
+            let corner = Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+            self.world_from_local.transform_point3(corner.as_dvec3()).as_vec3()
+        };
+        let corners: [Vec3; 8] = std::array::from_fn(corner);
+        (
+            corners.into_iter().fold(Vec3::INFINITY, Vec3::min),
+            corners.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max),
+        )
+    }
+
     /// Whether a ray meets the side that the renderer takes for the front: mirrored instances turn their winding.
     fn faces(&self, hit: &TriangleHit, local: &LocalRay) -> bool {
         hit.is_front(local) == (self.world_from_local.matrix3.determinant() > 0.0)

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Technique, parse::defaults};
+use super::{StockBias, Technique, parse::defaults};
 use crate::{
     maths::{split::SplitScheme, warp::Warp},
     shadow::settings::{ShadowBias, SunShadows},
@@ -12,7 +12,7 @@ use crate::{
 impl fmt::Display for Technique {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let settings = match self {
-            Self::Bevy => return f.write_str("bevy"),
+            Self::Bevy(bias) => return write!(f, "bevy{}", keys(&stock_changes(*bias))),
             Self::Umbrage(settings) => settings,
         };
         let count = settings.partitions.count;
@@ -27,11 +27,30 @@ impl fmt::Display for Technique {
             (_, Warp::Uniform) => write!(f, "zp{count}")?,
             _ => write!(f, "zp{count}+{warp}")?,
         }
-        for (index, pair) in changes(settings).iter().enumerate() {
-            write!(f, "{}{pair}", if index == 0 { ':' } else { ',' })?;
-        }
-        Ok(())
+        f.write_str(&keys(&changes(settings)))
     }
+}
+
+/// `:key=value,key=value`, or nothing.
+fn keys(pairs: &[String]) -> String {
+    if pairs.is_empty() {
+        String::new()
+    } else {
+        format!(":{}", pairs.join(","))
+    }
+}
+
+/// `key=value` of the biases that are not Bevy's own.
+fn stock_changes(bias: StockBias) -> Vec<String> {
+    let default = StockBias::default();
+    let mut pairs = Vec::new();
+    if bias.depth != default.depth {
+        pairs.push(format!("depth_bias={}", bias.depth));
+    }
+    if bias.normal != default.normal {
+        pairs.push(format!("normal_bias={}", bias.normal));
+    }
+    pairs
 }
 
 /// `key=value` of everything that differs from the defaults, in the order of [`KEYS`].
@@ -94,7 +113,7 @@ mod tests {
 
     #[test]
     fn every_listed_technique_round_trips() {
-        for technique in Technique::all() {
+        for technique in Technique::all().into_iter().chain([Technique::Bevy(StockBias::TUNED)]) {
             assert_eq!(technique.to_string().parse(), Ok(technique));
         }
     }
@@ -148,6 +167,12 @@ mod tests {
         #[test]
         fn text_round_trips(settings in any_settings()) {
             let technique = Technique::Umbrage(settings);
+            prop_assert_eq!(technique.to_string().parse(), Ok(technique));
+        }
+
+        #[test]
+        fn stock_biases_round_trip(depth in 0.0f32..10.0, normal in 0.0f32..10.0) {
+            let technique = Technique::Bevy(StockBias { depth, normal });
             prop_assert_eq!(technique.to_string().parse(), Ok(technique));
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! | text | meaning |
 //! |---|---|
-//! | `bevy` | stock cascades |
+//! | `bevy`, `bevy:normal_bias=1` | stock cascades, with Bevy's biases or others |
 //! | `uniform` | one focused map without warp |
 //! | `lispsm`, `psm`, `free` | one warped map |
 //! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
@@ -23,8 +23,8 @@ use crate::maths::warp::Warp;
 /// What draws the sun's shadows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Technique {
-    /// Bevy's stock cascades, untouched.
-    Bevy,
+    /// Bevy's stock cascades, with these biases.
+    Bevy(StockBias),
     /// Umbrage with these settings.
     Umbrage(SunShadows),
 }
@@ -34,6 +34,41 @@ impl Default for Technique {
     fn default() -> Self {
         Self::Umbrage(SunShadows::HIGH)
     }
+}
+
+/// Biases of stock cascades.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StockBias {
+    /// [`DirectionalLight::shadow_depth_bias`]: metres towards the light.
+    pub depth: f32,
+    /// [`DirectionalLight::shadow_normal_bias`]: texels along the normal, before Bevy multiplies them by √2.
+    pub normal: f32,
+}
+
+impl Default for StockBias {
+    /// Bevy's own.
+    fn default() -> Self {
+        Self {
+            depth: DirectionalLight::DEFAULT_SHADOW_DEPTH_BIAS,
+            normal: DirectionalLight::DEFAULT_SHADOW_NORMAL_BIAS,
+        }
+    }
+}
+
+impl StockBias {
+    /// Gives a light these biases.
+    pub fn write(self, sun: &mut EntityWorldMut) {
+        if let Some(mut light) = sun.get_mut::<DirectionalLight>() {
+            light.shadow_depth_bias = self.depth;
+            light.shadow_normal_bias = self.normal;
+        }
+    }
+
+    /// The pair with the fewest wrong pixels on the tuning shots of forest and city.
+    pub const TUNED: Self = Self {
+        depth: 0.02,
+        normal: 1.0,
+    };
 }
 
 /// The documented bundles of technique and budget, by name, cheapest first.
@@ -73,7 +108,7 @@ impl Technique {
             Self::Umbrage(settings)
         };
         vec![
-            Self::Bevy,
+            Self::Bevy(StockBias::default()),
             of(1, Warp::Uniform),
             of(1, Warp::Lispsm),
             of(1, Warp::Psm),
@@ -97,8 +132,12 @@ impl Technique {
     /// What the technique does, in one line.
     #[must_use]
     pub fn summary(&self) -> String {
-        let Self::Umbrage(settings) = self else {
-            return "stock cascades".to_owned();
+        let settings = match self {
+            Self::Umbrage(settings) => settings,
+            Self::Bevy(StockBias::TUNED) => {
+                return "stock cascades, biases tuned on the tuning shots of forest and city".to_owned();
+            }
+            Self::Bevy(_) => return "stock cascades".to_owned(),
         };
         let maps = match settings.partitions.count {
             1 => "one map".to_owned(),
@@ -116,14 +155,16 @@ impl Technique {
     /// Makes this the technique of a sun: call it with the entity of the
     /// [`DirectionalLight`].
     ///
-    /// [`Technique::Bevy`] removes everything that Umbrage added and gives the light Bevy's default cascades.
+    /// [`Technique::Bevy`] removes everything that Umbrage added and gives the light Bevy's default cascades and its
+    /// biases. The light keeps them under the next technique, which may overwrite them.
     pub fn apply(&self, sun: &mut EntityCommands) {
-        match self {
-            Self::Bevy => {
+        match *self {
+            Self::Bevy(bias) => {
                 sun.remove::<(SunShadows, SunViews)>()
-                    .insert(CascadeShadowConfig::default());
+                    .insert(CascadeShadowConfig::default())
+                    .queue(move |mut sun: EntityWorldMut| bias.write(&mut sun));
             }
-            Self::Umbrage(settings) => {
+            Self::Umbrage(ref settings) => {
                 sun.insert(settings.clone());
             }
         }
@@ -165,8 +206,17 @@ mod tests {
         world.flush();
         assert_eq!(world.get::<SunShadows>(sun), Some(&SunShadows::HIGH));
         world.entity_mut(sun).insert(SunViews::default());
-        Technique::Bevy.apply(&mut world.commands().entity(sun));
+        let bias = StockBias {
+            depth: 0.5,
+            normal: 3.0,
+        };
+        Technique::Bevy(bias).apply(&mut world.commands().entity(sun));
         world.flush();
+        let light = world.get::<DirectionalLight>(sun);
+        assert_eq!(
+            light.map(|light| (light.shadow_depth_bias, light.shadow_normal_bias)),
+            Some((0.5, 3.0))
+        );
         assert!(world.get::<SunShadows>(sun).is_none() && world.get::<SunViews>(sun).is_none());
         assert_eq!(
             world.get::<CascadeShadowConfig>(sun).map(|config| config.bounds.len()),

@@ -4,14 +4,14 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use super::{Technique, cells_per_side, default_map_size};
+use super::{StockBias, Technique, cells_per_side, default_map_size};
 use crate::{
     maths::{split::SplitScheme, warp::Warp},
     shadow::settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
 };
 
 /// The keys after the colon, with the values that they take.
-pub const KEYS: [(&str, &str); 14] = [
+pub const KEYS: [(&str, &str); 16] = [
     ("path", "full|dropin"),
     ("size", "texels per side of one map, 16..=8192"),
     ("split", "log|practical|uniform|manual"),
@@ -26,6 +26,8 @@ pub const KEYS: [(&str, &str); 14] = [
     ("distance", "auto|metres > 0"),
     ("eta", "-1..=1, for the warp free"),
     ("fallback", "on|off"),
+    ("depth_bias", "metres >= 0, for bevy"),
+    ("normal_bias", "texels >= 0, for bevy"),
 ];
 
 /// What is planned but not built yet; named so that the error can say so.
@@ -52,7 +54,7 @@ pub enum TechniqueError {
     /// z-partitions out of range.
     #[error("`{0}`: z-partitions are counted 1 to 16, as in `zp4`")]
     Count(String),
-    /// A base that takes no warp or no keys.
+    /// A base that takes no warp.
     #[error("`{base}` takes no {what}")]
     Takes {
         /// The base.
@@ -105,9 +107,9 @@ impl FromStr for Technique {
         let what = warp.map(|_| "warp");
         let (count, base_warp) = match base {
             "bevy" => {
-                return match what.or(settings.map(|_| "keys")) {
+                return match what {
                     Some(what) => Err(TechniqueError::Takes { base: "bevy", what }),
-                    None => Ok(Self::Bevy),
+                    None => stock_bias(&Pairs::parse(settings.unwrap_or_default())?).map(Self::Bevy),
                 };
             }
             "uniform" => match what {
@@ -236,10 +238,33 @@ fn split_list(text: &str) -> Option<Vec<f32>> {
     splits.is_sorted_by(|a, b| a < b).then_some(splits)
 }
 
+/// Keys of stock cascades.
+const STOCK_KEYS: [&str; 2] = ["depth_bias", "normal_bias"];
+
+fn stock_bias(pairs: &Pairs) -> Result<StockBias, TechniqueError> {
+    if let Some((key, _)) = pairs.0.iter().find(|(key, _)| !STOCK_KEYS.contains(key)) {
+        return Err(TechniqueError::Together(format!(
+            "`bevy` takes no key `{key}`, only {}",
+            STOCK_KEYS.join(" and ")
+        )));
+    }
+    let not_negative = |text: &str| number(text, 0.0..);
+    let default = StockBias::default();
+    Ok(StockBias {
+        depth: pairs.read("depth_bias", not_negative)?.unwrap_or(default.depth),
+        normal: pairs.read("normal_bias", not_negative)?.unwrap_or(default.normal),
+    })
+}
+
 /// Keys of what only the full path does.
 const FULL_PATH_KEYS: [&str; 3] = ["select", "filter", "fallback"];
 
 fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, TechniqueError> {
+    if let Some(key) = STOCK_KEYS.into_iter().find(|key| pairs.has(key)) {
+        return Err(TechniqueError::Together(format!(
+            "`{key}=` belongs to `bevy`; other techniques take `bias=`"
+        )));
+    }
     let mut settings = defaults(count, warp);
     if let Some(path) = pairs.read("path", |text| match text {
         "full" => Some(ShadowPath::Full),
@@ -476,6 +501,17 @@ mod tests {
     }
 
     #[test]
+    fn stock_cascades_take_biases() {
+        let bias = StockBias {
+            depth: 0.1,
+            normal: 0.5,
+        };
+        assert_eq!("bevy:normal_bias=0.5,depth_bias=0.1".parse(), Ok(Technique::Bevy(bias)));
+        assert_eq!("bevy".parse(), Ok(Technique::Bevy(StockBias::default())));
+        assert_eq!("bevy:depth_bias=0.02".parse(), "bevy".parse::<Technique>());
+    }
+
+    #[test]
     fn errors_say_what_is_wrong_and_what_there_is() {
         for (text, parts) in [
             (
@@ -491,7 +527,13 @@ mod tests {
             ("zp", &["1 to 16"]),
             ("", &["no technique"]),
             ("bevy+lispsm", &["`bevy` takes no warp"]),
-            ("bevy:size=512", &["`bevy` takes no keys"]),
+            (
+                "bevy:size=512",
+                &["`bevy` takes no key `size`", "depth_bias and normal_bias"],
+            ),
+            ("bevy:normal_bias=-1", &["`normal_bias=-1`", "texels >= 0"]),
+            ("bevy:depth_bias=inf", &["`depth_bias=inf`", "metres >= 0"]),
+            ("lispsm:depth_bias=1", &["belongs to `bevy`", "`bias=`"]),
             ("uniform+psm", &["`uniform` takes no warp"]),
             ("zp4:colour=red", &["no key `colour`", "path, size, split"]),
             ("zp4:size=0", &["`size=0`", "16..=8192"]),

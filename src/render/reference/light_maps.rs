@@ -1,0 +1,210 @@
+//! The maps of a sun as the frame just drawn looked them up: [`LightMaps`].
+
+use bevy::{
+    light::{CascadeShadowConfig, Cascades, DirectionalLightShadowMap},
+    math::{DMat4, DVec2, DVec3, Vec3Swizzles},
+    prelude::*,
+};
+
+use crate::shadow::{
+    checked::checked,
+    settings::{PartitionSelection, ShadowPath, SunShadows},
+    views::SunViews,
+};
+
+/// One map that is drawn and looked up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightMap {
+    /// World to light clip space.
+    pub clip_from_world: DMat4,
+    /// Texels per side.
+    pub size: u32,
+    /// View depth in metres up to which the map is meant to be used.
+    pub far_depth: f64,
+}
+
+/// How a pixel finds its map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// The first map that ends behind the pixel and contains it, the last one in any case where it contains it
+    /// (`apply_views.wgsl`).
+    Depth,
+    /// The first map that contains the pixel; maps are in the order of their resolution (`apply_views.wgsl`).
+    BestResolution,
+    /// Bevy's: the first map that ends behind the pixel, whether it contains it or not. Where two cascades are blended, the
+    /// finer one counts.
+    Cascades,
+}
+
+/// All maps of one sun and one camera, near to far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightMaps {
+    /// Those that are looked up; fallback maps for transparent surfaces are not among them.
+    pub maps: Vec<LightMap>,
+    /// How they are looked up.
+    pub selection: Selection,
+    /// View depth in metres from which everything is lit.
+    pub distance: f64,
+}
+
+impl LightMaps {
+    /// The maps of the frame just drawn. Empty for a camera or a light that has none.
+    pub fn of(world: &World, sun: Entity, camera: Entity) -> Self {
+        match world.get::<SunShadows>(sun) {
+            Some(settings) if settings.path == ShadowPath::Full => Self::of_full_path(world, sun, camera, settings),
+            _ => Self::of_cascades(world, sun, camera),
+        }
+    }
+
+    fn of_full_path(world: &World, sun: Entity, camera: Entity, settings: &SunShadows) -> Self {
+        let (settings, _) = checked(settings);
+        let views = world.get::<SunViews>(sun).and_then(|views| views.cameras.get(&camera));
+        let maps = views
+            .into_iter()
+            .flat_map(|views| &views.partitions)
+            .map(|partition| LightMap {
+                clip_from_world: partition.light_view.clip_from_world.as_dmat4(),
+                size: settings.map_size,
+                far_depth: f64::from(partition.light_view.far_depth),
+            });
+        Self {
+            maps: maps.collect(),
+            selection: match settings.selection {
+                PartitionSelection::Depth => Selection::Depth,
+                PartitionSelection::BestResolution => Selection::BestResolution,
+            },
+            distance: views.map_or(0.0, |views| f64::from(views.far_depth)),
+        }
+    }
+
+    fn of_cascades(world: &World, sun: Entity, camera: Entity) -> Self {
+        let cascades = world
+            .get::<Cascades>(sun)
+            .and_then(|cascades| cascades.cascades.get(&camera));
+        let config = world.get::<CascadeShadowConfig>(sun);
+        let size = world
+            .get_resource::<DirectionalLightShadowMap>()
+            .map_or(0, |map| u32::try_from(map.size).unwrap_or(u32::MAX));
+        let bounds = config.into_iter().flat_map(|config| &config.bounds);
+        let maps: Vec<LightMap> = cascades
+            .into_iter()
+            .flatten()
+            .zip(bounds)
+            .map(|(cascade, bound)| LightMap {
+                clip_from_world: cascade.clip_from_world.as_dmat4(),
+                size,
+                far_depth: f64::from(*bound),
+            })
+            .collect();
+        Self {
+            distance: maps.last().map_or(0.0, |map| map.far_depth),
+            maps,
+            selection: Selection::Cascades,
+        }
+    }
+
+    /// Texels of all maps.
+    pub fn texels(&self) -> u64 {
+        self.maps.iter().map(|map| u64::from(map.size).pow(2)).sum()
+    }
+
+    /// The map in which the shadow of a world-space point at a view depth is looked up; `None`: it is lit without a look.
+    pub fn select(&self, point_world: DVec3, view_depth: f64) -> Option<usize> {
+        if view_depth >= self.distance {
+            return None;
+        }
+        let last = self.maps.len().checked_sub(1)?;
+        let mut maps = self.maps.iter().enumerate();
+        let found = match self.selection {
+            Selection::Depth => maps
+                .find(|(index, map)| (view_depth < map.far_depth || *index == last) && map.contains(point_world, 1.0)),
+            Selection::BestResolution => maps.find(|(_, map)| map.contains(point_world, 1.0)),
+            Selection::Cascades => maps
+                .find(|(_, map)| view_depth < map.far_depth)
+                .filter(|(_, map)| map.contains(point_world, 0.0)),
+        };
+        found.map(|(index, _)| index)
+    }
+}
+
+impl LightMap {
+    /// Whether the map holds a point, and `margin` texels around it.
+    fn contains(&self, point_world: DVec3, margin: f64) -> bool {
+        let clip = self.clip_from_world * point_world.extend(1.0);
+        let ndc = clip.truncate() / clip.w;
+        let limit = 1.0 - 2.0 * margin / f64::from(self.size);
+        clip.w > 0.0 && ndc.xy().abs().max_element() <= limit && (0.0..=1.0).contains(&ndc.z)
+    }
+
+    /// Texel coordinates of a world-space point, from the map's lower left corner (y upwards, as in clip space).
+    pub fn texel(&self, point_world: DVec3) -> DVec2 {
+        let ndc = self.clip_from_world.project_point3(point_world);
+        (ndc.xy() * 0.5 + 0.5) * f64::from(self.size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes of 10, 30 and 100 m around the origin, seen from above.
+    fn maps(selection: Selection) -> LightMaps {
+        let map = |half: f64, far_depth: f64| LightMap {
+            clip_from_world: DMat4::from_cols_array_2d(&[
+                [1.0 / half, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 0.005, 0.0],
+                [0.0, -1.0 / half, 0.0, 0.0],
+                [0.0, 0.0, 0.5, 1.0],
+            ]),
+            size: 100,
+            far_depth,
+        };
+        LightMaps {
+            maps: vec![map(10.0, 8.0), map(30.0, 25.0), map(100.0, 90.0)],
+            selection,
+            distance: 90.0,
+        }
+    }
+
+    #[test]
+    fn depth_takes_the_first_map_that_reaches_and_contains() {
+        let maps = maps(Selection::Depth);
+        let at = |x: f64| DVec3::new(x, 3.0, 0.0);
+        assert_eq!(maps.select(at(5.0), 7.9), Some(0));
+        assert_eq!(maps.select(at(5.0), 8.0), Some(1), "the end is not part of the range");
+        assert_eq!(maps.select(at(20.0), 7.9), Some(1), "not in the first");
+        // 2 % of the half width is one texel of a hundred.
+        assert_eq!(maps.select(at(9.79), 1.0), Some(0));
+        assert_eq!(maps.select(at(9.81), 1.0), Some(1), "within a texel of the border");
+        assert_eq!(maps.select(at(5.0), 90.0), None, "beyond the distance");
+        assert_eq!(maps.select(DVec3::Y * 101.0, 1.0), None, "above the depth range");
+    }
+
+    #[test]
+    fn best_resolution_ignores_depth() {
+        let maps = maps(Selection::BestResolution);
+        assert_eq!(maps.select(DVec3::X * 5.0, 80.0), Some(0));
+        assert_eq!(maps.select(DVec3::X * 50.0, 1.0), Some(2));
+        assert_eq!(maps.select(DVec3::X * 99.0, 1.0), None);
+    }
+
+    #[test]
+    fn cascades_look_nowhere_else() {
+        let maps = maps(Selection::Cascades);
+        assert_eq!(maps.select(DVec3::X * 9.9, 7.0), Some(0), "up to the border");
+        assert_eq!(
+            maps.select(DVec3::X * 20.0, 7.0),
+            None,
+            "the chosen cascade does not hold it"
+        );
+        assert_eq!(maps.select(DVec3::X * 5.0, 40.0), Some(2));
+    }
+
+    #[test]
+    fn a_light_without_maps_selects_none() {
+        let mut world = World::new();
+        let entity = world.spawn_empty().id();
+        let maps = LightMaps::of(&world, entity, entity);
+        assert_eq!((maps.texels(), maps.select(DVec3::ZERO, 1.0)), (0, None));
+    }
+}
