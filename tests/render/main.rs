@@ -5,4 +5,5 @@ mod identity;
 mod lighting;
 mod lookup;
 mod reference;
+mod stability;
 mod truth;

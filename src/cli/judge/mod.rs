@@ -6,10 +6,7 @@ mod report;
 
 use std::path::Path;
 
-use bevy::{
-    math::{DVec3, UVec2},
-    prelude::*,
-};
+use bevy::{math::UVec2, prelude::*};
 use image::ColorType;
 use indicatif::ProgressBar;
 
@@ -115,15 +112,6 @@ impl Judge {
 }
 
 /// The rays of a shot's camera.
-fn rays(shot: &Shot, size: UVec2) -> PixelRays {
-    let camera = shot.camera();
-    let axis = |axis: Dir3| -> DVec3 { axis.as_dvec3().normalize() };
-    PixelRays {
-        size,
-        eye: camera.translation.as_dvec3(),
-        right: axis(camera.right()),
-        up: axis(camera.up()),
-        forward: axis(camera.forward()),
-        tan_half_fov_y: (f64::from(shot.fov_y_deg).to_radians() / 2.0).tan(),
-    }
+pub(super) fn rays(shot: &Shot, size: UVec2) -> PixelRays {
+    PixelRays::of_camera(size, &shot.camera(), f64::from(shot.fov_y_deg).to_radians())
 }

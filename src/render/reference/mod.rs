@@ -8,9 +8,11 @@
 //! 3. [`extract`]: all of it from a running app.
 //! 4. [`pixels`]: truth for every pixel of a picture, from the depths that the GPU wrote; what makes a pixel valid.
 //! 5. [`accuracy`]: a technique's mask against truth, overall and near true shadow edges.
+//! 6. [`stability`]: how much masks crawl and pictures pop from frame to frame.
 
 pub mod accuracy;
 pub mod extract;
 pub mod mesh;
 pub mod pixels;
 pub mod scene;
+pub mod stability;

@@ -6,7 +6,10 @@ use std::{
     thread,
 };
 
-use bevy::math::{DVec3, UVec2};
+use bevy::{
+    math::{DVec3, Dir3, UVec2},
+    transform::components::Transform,
+};
 
 use super::scene::TruthScene;
 
@@ -28,6 +31,19 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
+    /// The rays of a camera; `fov_y` is its full vertical field of view in radians.
+    pub fn of_camera(size: UVec2, camera: &Transform, fov_y: f64) -> Self {
+        let axis = |axis: Dir3| -> DVec3 { axis.as_dvec3().normalize() };
+        Self {
+            size,
+            eye: camera.translation.as_dvec3(),
+            right: axis(camera.right()),
+            up: axis(camera.up()),
+            forward: axis(camera.forward()),
+            tan_half_fov_y: (fov_y / 2.0).tan(),
+        }
+    }
+
     /// The direction through a place in the picture in pixels, y down; pixel centres are at halves. One unit of it is a
     /// metre of view depth.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
