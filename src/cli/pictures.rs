@@ -14,6 +14,9 @@ use thiserror::Error;
 use super::pass::Pass;
 use crate::render::capture::Texels;
 
+/// The color of pixels that do not count, in pictures of measurements.
+pub const NOT_VALID: [u8; 3] = [40, 50, 90];
+
 /// Why a file could not be written.
 #[derive(Debug, Error)]
 pub enum WriteError {

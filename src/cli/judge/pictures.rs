@@ -1,10 +1,12 @@
 //! Pictures of truth and of what differs from it.
 
-use crate::render::reference::{accuracy::LIT_ABOVE, pixels::PixelTruth};
+use crate::{
+    cli::pictures::NOT_VALID,
+    render::reference::{accuracy::LIT_ABOVE, pixels::PixelTruth},
+};
 
 const FALSE_SHADOW: [u8; 3] = [220, 30, 30];
 const FALSE_LIT: [u8; 3] = [255, 160, 0];
-const NOT_VALID: [u8; 3] = [40, 50, 90];
 
 /// Truth: lit white, shadow black.
 pub(super) fn truth(truth: &[PixelTruth]) -> Vec<u8> {
