@@ -1,5 +1,6 @@
 //! Render tests: headless, on whatever Vulkan driver there is. Without one they fail and name the package to install.
 
+mod guard;
 mod harness;
 mod identity;
 mod lighting;
