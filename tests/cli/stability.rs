@@ -1,0 +1,62 @@
+//! `umbrage judge --along`: its files and its numbers.
+
+use crate::{assert_sentence, glb, run_in, stderr};
+
+/// A box on a plane while the camera walks and the sun moves: every frame is drawn from its own camera, or most of its
+/// pixels would be wrong.
+#[test]
+fn a_box_on_a_plane_stands_still() {
+    let folder = tempfile::tempdir().expect("a folder");
+    glb::write(&folder.path().join("box.glb"), &glb::box_on_plane());
+    let output = run_in(
+        folder.path(),
+        "judge box.glb --along camera,sun --frames 4 --size 160x90 --technique bevy --technique zp4+lispsm --out s",
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(
+        table.lines().count(),
+        5,
+        "a head, two motions of two techniques: {table}"
+    );
+    let report = std::fs::read(folder.path().join("s/stability.json")).expect("stability.json");
+    let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
+    let rows = report["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    for row in rows {
+        let number = |name: &str| row[name].as_f64().expect("a number");
+        assert_eq!(row["steps"].as_array().map(Vec::len), Some(3), "{row}");
+        assert!(number("compared_percent") > 10.0, "{row}");
+        // Measured on llvmpipe: at most 0.13 %, and 0.2 thousandths; the bounds leave room for other drivers.
+        assert!(number("wrong_percent") < 1.0, "{row}");
+        assert!(
+            number("certain_energy") <= number("crawl_energy") && number("crawl_energy") < 2.0e-3,
+            "{row}"
+        );
+        let picture = folder.path().join("s").join(row["picture"].as_str().expect("a name"));
+        let picture = image::open(picture).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), (160, 90));
+    }
+    assert!(folder.path().join("s/stats.json").exists());
+}
+
+#[test]
+fn motions_that_are_not_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    glb::write(&folder.path().join("box.glb"), &glb::box_on_plane());
+    for (arguments, code, parts) in [
+        ("--along camera --path walk", 2, &["no camera path `walk`", "none"][..]),
+        ("--along sun --passes mask", 2, &["--passes", "--along"]),
+        (
+            "--along sun,sun --frames 2 --size 32x18",
+            2,
+            &["two pictures", "crawl-sun"],
+        ),
+    ] {
+        assert_sentence(
+            &run_in(folder.path(), &format!("judge box.glb {arguments}")),
+            code,
+            parts,
+        );
+    }
+}
