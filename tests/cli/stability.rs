@@ -26,7 +26,7 @@ fn a_box_on_a_plane_stands_still() {
     for row in rows {
         let number = |name: &str| row[name].as_f64().expect("a number");
         assert_eq!(row["steps"].as_array().map(Vec::len), Some(3), "{row}");
-        assert!(number("compared_percent") > 10.0, "{row}");
+        assert!(number("compared_percent") > 5.0, "{row}");
         // Measured on llvmpipe: at most 0.13 %, and 0.2 thousandths; the bounds leave room for other drivers.
         assert!(number("wrong_percent") < 1.0, "{row}");
         assert!(
