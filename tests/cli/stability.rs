@@ -27,12 +27,12 @@ fn a_box_on_a_plane_stands_still() {
         let number = |name: &str| row[name].as_f64().expect("a number");
         assert_eq!(row["steps"].as_array().map(Vec::len), Some(3), "{row}");
         assert!(number("compared_percent") > 5.0, "{row}");
-        // Measured on llvmpipe: at most 0.13 %, and 0.2 thousandths; the bounds leave room for other drivers.
+        // Measured on llvmpipe: at most 0.08 % and 0.008 thousandths; the bounds leave room for other drivers.
         assert!(number("wrong_percent") < 1.0, "{row}");
-        assert!(
-            number("certain_energy") <= number("crawl_energy") && number("crawl_energy") < 2.0e-3,
-            "{row}"
-        );
+        assert!(number("crawl_energy") < 2.0e-3, "{row}");
+        // Where the camera stands still, pixels are compared with themselves: there is nothing to resample.
+        let resampled = number("crawl_energy") - number("certain_energy");
+        assert!(row["along"] != "sun" || resampled.abs() < 1.0e-15, "{row}");
         let picture = folder.path().join("s").join(row["picture"].as_str().expect("a name"));
         let picture = image::open(picture).expect("a picture");
         assert_eq!((picture.width(), picture.height()), (160, 90));

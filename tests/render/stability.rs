@@ -1,6 +1,9 @@
 //! Crawl and pop energy on masks and pictures made by hand.
 
-use bevy::math::{DVec3, UVec2};
+use bevy::{
+    math::{DVec3, UVec2},
+    prelude::{Transform, Vec3},
+};
 use umbrage::render::reference::{
     pixels::{PixelRays, PixelTruth},
     stability::{Crawl, MaskFrame, Pop, crawl, luma},
@@ -208,6 +211,15 @@ fn nonsense_is_not_compared() {
     empty.rays.size = UVec2::ZERO;
     assert_eq!(step(&picture, &empty), Crawl::default());
     assert_eq!(step(&empty, &picture).compared, 0);
+}
+
+/// A camera somewhere, turned anyhow: rounding does not make pixels their neighbors' mixtures.
+#[test]
+fn what_a_pixel_sees_projects_back_onto_it() {
+    let eye = Transform::from_xyz(251.3, -12.7, 88.1).looking_at(Vec3::new(-3.0, 1.7, 2.9), Vec3::new(0.1, 1.0, 0.3));
+    let picture = Picture::new(PixelRays::of_camera(SIZE, &eye, 1.1), |x, y| (x * 16 + y) as u8);
+    let still = step(&picture, &picture);
+    assert_eq!((still.compared, still.squared, still.certain), (128, 0.0, 0.0));
 }
 
 #[test]

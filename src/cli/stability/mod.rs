@@ -12,7 +12,10 @@ mod report;
 
 pub use along::Along;
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use bevy::{math::UVec2, prelude::*};
 use image::ColorType;
@@ -60,61 +63,86 @@ pub(super) fn run(assets: Option<&Path>, args: &Judge) -> Result<(), Failure> {
 }
 
 fn measure_all(session: &mut Session, args: &Judge) -> Result<Report, Failure> {
-    let mut report = Report::default();
-    let mut names = BTreeSet::new();
-    let file = args.shoot.out.join(shoot::part_name("stability", args.shoot.shard));
+    let mut results = Results {
+        report: Report::default(),
+        out: &args.shoot.out,
+        file: shoot::part_name("stability", args.shoot.shard),
+        names: BTreeSet::new(),
+    };
     for source in &args.shoot.scenes {
         let (shots, sun) = session.enter(source)?;
         let scene = source.name();
         let path = camera_path(session.app.world().resource::<LoadedScene>(), args)?;
         let truth = truth_scene(session.app.world_mut()).map_err(Failure::failed)?;
-        for shot in &shots {
-            for along in &args.stability.along {
-                let frames = along::sequence(*along, shot, path.as_ref(), args.stability.frames as usize);
-                for frame in &frames {
-                    shots::check(frame)
-                        .map_err(|problem| Failure::Failed(format!("{scene} along {along}: {problem}")))?;
-                }
-                session
-                    .bar
-                    .inc_length((frames.len() * args.shoot.techniques.len()) as u64);
-                let mut measurement = Measurement {
-                    stage: Stage::new(&mut session.app, shot, sun, &PASSES),
-                    truth: &truth,
-                    frames: &frames,
-                    seen: Vec::new(),
-                };
-                for technique in &args.shoot.techniques {
-                    session
-                        .bar
-                        .set_message(format!("{scene} {} {along} {}", shot.name, technique.text));
-                    let sequence = measurement.measure(session, technique)?;
-                    let picture = pictures::file_name(&scene, &shot.name, &technique.text, format!("crawl-{along}"));
-                    if !names.insert(picture.clone()) {
-                        return Err(Failure::Usage(format!(
-                            "two pictures would be called {picture}; give scenes, shots, techniques and motions once, with \
-                             names that differ in [a-z0-9]"
-                        )));
-                    }
-                    let size = UVec2::new(shot.width, shot.height);
-                    pictures::write_pixels(
-                        &args.shoot.out.join(&picture),
-                        size,
-                        &sequence.picture(),
-                        ColorType::Rgb8,
-                    )
-                    .map_err(Failure::failed)?;
-                    let names = (scene.as_str(), shot.name.as_str(), *along, technique.text.as_str());
-                    report.rows.push(sequence.row(names, picture));
-                    report.write(&file)?;
-                }
-                measurement.stage.strike(&mut session.app);
+        let motions = shots
+            .iter()
+            .flat_map(|shot| args.stability.along.iter().map(move |along| (shot, *along)));
+        for (shot, along) in motions {
+            let frames = along::sequence(along, shot, path.as_ref(), args.stability.frames as usize);
+            for frame in &frames {
+                shots::check(frame)
+                    .map_err(|problem| Failure::Failed(format!("shot {} along {along}: {problem}", shot.name)))?;
             }
+            session
+                .bar
+                .inc_length((frames.len() * args.shoot.techniques.len()) as u64);
+            let mut measurement = Measurement {
+                stage: Stage::new(&mut session.app, shot, sun, &PASSES),
+                truth: &truth,
+                frames: &frames,
+                seen: Vec::new(),
+            };
+            for technique in &args.shoot.techniques {
+                let message = format!("{scene} {} {along} {}", shot.name, technique.text);
+                session.bar.set_message(message);
+                let sequence = measurement.measure(session, technique)?;
+                results.add(sequence, &scene, shot, along, technique)?;
+            }
+            measurement.stage.strike(&mut session.app);
         }
     }
     // A shard without shots leaves a file too, so that nobody takes it for lost.
-    report.write(&file)?;
-    Ok(report)
+    results.write()?;
+    Ok(results.report)
+}
+
+/// What has been measured, and where it goes.
+struct Results<'a> {
+    report: Report,
+    out: &'a Path,
+    file: PathBuf,
+    /// Pictures so far.
+    names: BTreeSet<String>,
+}
+
+impl Results<'_> {
+    /// Adds a sequence and writes all of it.
+    fn add(
+        &mut self,
+        sequence: Sequence,
+        scene: &str,
+        shot: &Shot,
+        along: Along,
+        technique: &NamedTechnique,
+    ) -> Result<(), Failure> {
+        let picture = pictures::file_name(scene, &shot.name, &technique.text, format!("crawl-{along}"));
+        if !self.names.insert(picture.clone()) {
+            return Err(Failure::Usage(format!(
+                "two pictures would be called {picture}; give scenes, shots, techniques and motions once, with names that \
+                 differ in [a-z0-9]"
+            )));
+        }
+        let size = UVec2::new(shot.width, shot.height);
+        pictures::write_pixels(&self.out.join(&picture), size, &sequence.picture(), ColorType::Rgb8)
+            .map_err(Failure::failed)?;
+        let row = sequence.row((scene, &shot.name, along, &technique.text), picture);
+        self.report.rows.push(row);
+        self.write()
+    }
+
+    fn write(&self) -> Result<(), Failure> {
+        self.report.write(&self.out.join(&self.file))
+    }
 }
 
 /// The camera path asked for; `None` where none was.

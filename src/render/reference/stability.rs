@@ -17,18 +17,19 @@
 //! on planes), agrees with the depth of x within [`DEPTH_TOLERANCE`]. Surfaces that were hidden or outside the picture are
 //! not compared.
 //!
-//! Why bilinear: with the nearest pixel, half a pixel of motion flips a quarter of the pixels along every edge of a hard
-//! mask that does not move at all; bilinear weights leave a sixth. A mask that agrees with truth has E = 0 for any
-//! motion, because all five pixels then have one value. What is left is the *residue* of a wrong mask that is fixed to
-//! the ground: at most 1/6 per pixel of the edges that are out of place, as long as these edges are. It must not be
-//! taken for crawl, hence a second, blunter number that has no residue:
+//! Why bilinear: at an edge of a hard mask that is fixed to the ground, the nearest pixel of the frame before lies on the
+//! other side for a quarter of the pixels along the edge (mean over all offsets of the two pixel grids); with bilinear
+//! weights the mean of Δ² is a sixth. A mask that agrees with truth has E = 0 for any motion, because all five pixels then
+//! have one value. What is left is the *residue* of a mask that is wrong but fixed to the ground: 1/6 on average for every
+//! pixel of length of those edges that are out of place; none while the camera stands still. It must not be taken for
+//! crawl, hence a second, blunter number that has no residue:
 //!
 //! ```text
 //! C  = 1/N · Σ_p (distance of m_i(p) from the interval of the four m_{i−1}(q_k))²
 //! ```
 //!
 //! C is zero for every mask that is fixed to surfaces and has no feature of less than a pixel, and sees only what moves by
-//! more than the resampling could: C is a lower bound of crawl, E an upper one.
+//! more than resampling could: crawl lies between C and E. While the camera stands still, both are the same.
 //!
 //! # Pop energy
 //!
@@ -148,7 +149,7 @@ fn change_at(before: &MaskFrame, after: &MaskFrame, x: usize, y: usize) -> Optio
     let point_world = after.rays.eye + after.rays.direction(x as f64 + 0.5, y as f64 + 0.5) * depth;
     let (place_px, depth_before) = project(&before.rays, point_world)?;
     let taps = taps(place_px - 0.5);
-    let (mut sum, mut inverse_depth, mut weights) = (0.0, 0.0, 0.0);
+    let (mut difference, mut inverse_depth, mut weights) = (0.0, 0.0, 0.0);
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for (pixel, weight) in taps.into_iter().filter(|(_, weight)| *weight > SMALLEST_WEIGHT) {
         let index = index_of(before, pixel)?;
@@ -156,14 +157,14 @@ fn change_at(before: &MaskFrame, after: &MaskFrame, x: usize, y: usize) -> Optio
             return None;
         }
         let tap = value(*before.mask.get(index)?);
-        sum += weight * tap;
+        difference += weight * (mask - tap);
         inverse_depth += weight / f64::from(*before.depths.get(index)?);
         weights += weight;
         (least, most) = (least.min(tap), most.max(tap));
     }
     let is_same_surface = (inverse_depth / weights * depth_before - 1.0).abs() <= DEPTH_TOLERANCE;
     is_same_surface.then(|| Change {
-        squared: (mask - sum / weights).powi(2),
+        squared: (difference / weights).powi(2),
         certain: (mask - mask.clamp(least, most)).powi(2),
     })
 }
