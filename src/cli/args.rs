@@ -125,7 +125,8 @@ pub struct Stability {
     #[arg(long, value_name = "MOTION,MOTION", value_delimiter = ',')]
     pub along: Vec<Along>,
     /// Frames of every motion; each is drawn, and its truth traced
-    #[arg(long, value_name = "N", default_value_t = 24, requires = "along", value_parser = clap::value_parser!(u32).range(2..=600))]
+    #[arg(long, value_name = "N", default_value_t = 24, requires = "along",
+          value_parser = clap::value_parser!(u32).range(2..=600))]
     pub frames: u32,
     /// The camera path of the scene that `--along camera` follows
     #[arg(long, value_name = "NAME", requires = "along")]

@@ -2,8 +2,8 @@
 
 use crate::{assert_sentence, glb, run_in, stderr};
 
-/// A cube on a plane while the camera walks, while it zooms, and while the sun moves. Every frame is drawn and traced from
-/// its own camera and sun: otherwise many pixels are wrong or have no surface, and under the sun nothing changes.
+/// A cube on a plane while the camera walks, while it zooms, and while the sun moves. Every frame is drawn and traced
+/// from its own camera and sun: otherwise many pixels are wrong or have no surface, and under the sun nothing changes.
 #[test]
 fn a_cube_on_a_plane_hardly_crawls() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -22,7 +22,8 @@ fn a_cube_on_a_plane_hardly_crawls() {
     for row in rows {
         let number = |name: &str| row[name].as_f64().expect("a number");
         assert_eq!(row["steps"].as_array().map(Vec::len), Some(15), "{row}");
-        // Measured on llvmpipe: at least 72 %, at most 0.02 % and 0.02 thousandths; the bounds leave room for other drivers.
+        // Measured on llvmpipe: at least 72 %, at most 0.02 % and 0.02 thousandths; the bounds leave room for other
+        // drivers.
         assert!(number("compared_percent") > 60.0, "{row}");
         assert!(number("wrong_percent") < 0.1, "{row}");
         assert!(number("crawl_energy") < 1.0e-4, "{row}");

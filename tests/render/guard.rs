@@ -350,9 +350,9 @@ fn break_matrices(
     }
 }
 
-/// The guard can fail: where maps are read two texels beside where they were drawn, every technique leaves its bounds in
-/// one of two shots. (A fence has most of the pixels at the edges of shadows; stock cascades are so wrong there that a box
-/// shows it better.)
+/// The guard can fail: where maps are read two texels beside where they were drawn, every technique leaves its bounds
+/// in one of two shots. (A fence has most of the pixels at the edges of shadows; stock cascades are so wrong there that
+/// a box shows it better.)
 #[test]
 fn a_shift_by_two_texels_is_found() {
     let mut is_found = [false; TECHNIQUES.len()];

@@ -41,8 +41,8 @@ const ZOOM_TIME: f32 = 2.0;
 /// 144 times slower, make the same steps more rarely.
 const DAY: f32 = 600.0;
 
-/// `frames` shots at equal steps of [`TIME_STEP`], the first of them `shot` itself (or, along a camera path, `shot` moved
-/// to the beginning of the path).
+/// `frames` shots at equal steps of [`TIME_STEP`], the first of them `shot` itself (or, along a camera path, `shot`
+/// moved to the beginning of the path).
 pub(super) fn sequence(along: Along, shot: &Shot, path: Option<&CameraPath>, frames: usize) -> Vec<Shot> {
     (0..frames)
         .map(|frame| {

@@ -1,8 +1,8 @@
 //! `umbrage judge --along`: how much shadow masks crawl while one thing moves.
 //!
-//! A shot becomes a sequence of frames at a fixed step ([`along`]). Every frame is drawn once, as in a game, and its mask
-//! is compared with the one before ([`stability`]). Truth is traced for every frame of the
-//! first technique and serves all of them.
+//! A shot becomes a sequence of frames at a fixed step ([`along`]). Every frame is drawn once, as in a game, and its
+//! mask is compared with the one before ([`stability`]). Truth is traced for every frame of the first technique and
+//! serves all of them.
 //!
 //! # Limits
 //! The scene itself must stand still: what moves by itself would be compared with where it was at the beginning.

@@ -70,8 +70,8 @@ impl Sequence {
         }
     }
 
-    /// Where it crawls: the root of the mean squared change per step, black none, white all; blue where no pixel could be
-    /// compared.
+    /// Where it crawls: the root of the mean squared change per step, black none, white all; blue where no pixel could
+    /// be compared.
     pub(super) fn picture(&self) -> Vec<u8> {
         let steps = self.steps.len().max(1) as f64;
         let color = |heat: &Option<f64>| match heat {

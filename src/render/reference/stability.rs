@@ -13,30 +13,30 @@
 //! ```
 //!
 //! A pixel is compared when it is valid, when all four q_k are valid and have the same truth as p (so that what truth
-//! itself changes does not count), and when x is what the frame before saw there: 1/depth, bilinear in the picture (exact
-//! on planes), agrees with the depth of x within [`DEPTH_TOLERANCE`]. Surfaces that were hidden or outside the picture are
-//! not compared.
+//! itself changes does not count), and when x is what the frame before saw there: 1/depth, bilinear in the picture
+//! (exact on planes), agrees with the depth of x within [`DEPTH_TOLERANCE`]. Surfaces that were hidden or outside the
+//! picture are not compared.
 //!
-//! Why bilinear: at an edge of a hard mask that is fixed to the ground, the nearest pixel of the frame before lies on the
-//! other side for a quarter of the pixels along the edge (mean over all offsets of the two pixel grids); with bilinear
-//! weights the mean of Δ² is a sixth. A mask that agrees with truth has E = 0 for any motion, because all five pixels then
-//! have one value. What is left is the *residue* of a mask that is wrong but fixed to the ground: 1/6 on average for every
-//! pixel of length of those edges that are out of place; none while the camera stands still. It must not be taken for
-//! crawl, hence a second, blunter number that has no residue:
+//! Why bilinear: at an edge of a hard mask that is fixed to the ground, the nearest pixel of the frame before lies on
+//! the other side for a quarter of the pixels along the edge (mean over all offsets of the two pixel grids); with
+//! bilinear weights the mean of Δ² is a sixth. A mask that agrees with truth has E = 0 for any motion, because all five
+//! pixels then have one value. What is left is the *residue* of a mask that is wrong but fixed to the ground: 1/6 on
+//! average for every pixel of length of those edges that are out of place; none while the camera stands still. It must
+//! not be taken for crawl, hence a second, blunter number that has no residue:
 //!
 //! ```text
 //! C  = 1/N · Σ_p (distance of m_i(p) from the interval of the four m_{i−1}(q_k))²
 //! ```
 //!
-//! C is zero for every mask that is fixed to surfaces and has no feature of less than a pixel, and sees only what moves by
-//! more than resampling could: crawl lies between C and E. While the camera stands still, both are the same.
+//! C is zero for every mask that is fixed to surfaces and has no feature of less than a pixel, and sees only what moves
+//! by more than resampling could: crawl lies between C and E. While the camera stands still, both are the same.
 //!
 //! # Pop energy
 //!
 //! E_i = 1/N · Σ_p (l_i(p) − l_{i−1}(p))², the squared change from frame to frame of a picture or a mask with values of
-//! 0..=1. A change by Δ at once costs Δ² in one frame; spread over n frames it costs n · (Δ/n)² = Δ²/n in all, and Δ²/n² in
-//! the worst frame. Whatever else moves in the picture counts too: compare rivals on the same path, at the same interval,
-//! with the same driver.
+//! 0..=1. A change by Δ at once costs Δ² in one frame; spread over n frames it costs n · (Δ/n)² = Δ²/n in all, and
+//! Δ²/n² in the worst frame. Whatever else moves in the picture counts too: compare rivals on the same path, at the
+//! same interval, with the same driver.
 
 use std::ops::AddAssign;
 
@@ -129,8 +129,8 @@ impl AddAssign for Crawl {
     }
 }
 
-/// The crawl of one step, pixel by pixel of the later frame; `None` where a pixel cannot be compared. Frames whose lists
-/// do not fill their size have `None` at what is missing.
+/// The crawl of one step, pixel by pixel of the later frame; `None` where a pixel cannot be compared. Frames whose
+/// lists do not fill their size have `None` at what is missing.
 pub fn crawl(before: &MaskFrame, after: &MaskFrame) -> Vec<Option<Change>> {
     let (width, height) = (after.rays.size.x as usize, after.rays.size.y as usize);
     (0..height)
