@@ -7,6 +7,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand};
 use super::{
     pass::Pass,
     shots::{Shard, Size},
+    stability::Along,
 };
 use crate::{
     level::scene::SceneSource,
@@ -118,6 +119,24 @@ pub struct Judge {
     /// Merge the reports of shards in these folders into the first, and judge nothing
     #[arg(long, value_name = "DIR", num_args = 1.., exclusive = true)]
     pub merge: Vec<PathBuf>,
+    /// Stability in place of accuracy
+    #[command(flatten)]
+    pub stability: Stability,
+}
+
+/// Arguments of `judge` about stability.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct Stability {
+    /// Measure how much shadows crawl while this moves, at 60 frames per second: a table and stability.json
+    #[arg(long, value_name = "MOTION,MOTION", value_delimiter = ',')]
+    pub along: Vec<Along>,
+    /// Frames of every motion; each is drawn, and its truth traced
+    #[arg(long, value_name = "N", default_value_t = 24, requires = "along",
+          value_parser = clap::value_parser!(u32).range(2..=600))]
+    pub frames: u32,
+    /// The camera path of the scene that `--along camera` follows
+    #[arg(long, value_name = "NAME", requires = "along")]
+    pub path: Option<String>,
 }
 
 /// What `list` lists.
@@ -252,6 +271,21 @@ mod tests {
     }
 
     #[test]
+    fn judge_measures_accuracy_unless_something_moves() {
+        let stability = |text: &str| match parse(text) {
+            Ok(Args {
+                command: Some(Command::Judge(judge)),
+                ..
+            }) => judge.stability,
+            _ => panic!("`{text}` must parse"),
+        };
+        assert!(stability("umbrage judge forest").along.is_empty());
+        let moving = stability("umbrage judge forest --along camera,sun --path walk --shot a");
+        assert_eq!(moving.along, [Along::Camera, Along::Sun]);
+        assert_eq!((moving.frames, moving.path.as_deref()), (24, Some("walk")));
+    }
+
+    #[test]
     fn nonsense_exits_with_two() {
         for text in [
             "umbrage dance",
@@ -260,6 +294,9 @@ mod tests {
             "umbrage shoot forest --size 0x10",
             "umbrage shoot forest --passes beauty,blur",
             "umbrage shoot forest --shard 4/3",
+            "umbrage judge forest --along sideways",
+            "umbrage judge forest --along sun --frames 1",
+            "umbrage judge forest --path walk",
             "umbrage play --preset best",
             "umbrage list",
         ] {

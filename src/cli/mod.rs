@@ -12,6 +12,7 @@ pub mod pictures;
 mod play;
 pub mod shoot;
 pub mod shots;
+pub mod stability;
 
 use std::{
     io::{self, Write},
@@ -78,7 +79,10 @@ fn run(args: Args) -> Result<(), Failure> {
         None => play::run(assets, &args::Play::default()),
         Some(Command::Play(play_args)) => play::run(assets, &play_args),
         Some(Command::Shoot(shoot_args)) => shoot::run(assets, &shoot_args),
-        Some(Command::Judge(judge_args)) => judge::run(assets, &judge_args),
+        Some(Command::Judge(judge_args)) if judge_args.stability.along.is_empty() => {
+            judge::run(assets, &judge_args.shoot)
+        }
+        Some(Command::Judge(judge_args)) => stability::run(assets, &judge_args),
         Some(Command::List { what }) => list::run(assets, &what),
     }
 }

@@ -6,6 +6,7 @@ mod glb;
 mod judge;
 mod pictures;
 mod play;
+mod stability;
 
 use std::{
     path::Path,

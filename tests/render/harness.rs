@@ -133,7 +133,9 @@ impl Harness {
 
     /// Lets the camera draw what it sees of a light's shadows; the mask, row 0 on top: 255 lit, 0 in shadow.
     pub(crate) fn add_mask(&mut self, light: Entity, size: UVec2) -> Handle<Image> {
-        self.app.add_plugins(MaskPlugin);
+        if !self.app.is_plugin_added::<MaskPlugin>() {
+            self.app.add_plugins(MaskPlugin);
+        }
         let [mask, depth, normal] = [
             ShadowMask::MASK_FORMAT,
             ShadowMask::DEPTH_FORMAT,

@@ -1,8 +1,10 @@
 //! Render tests: headless, on whatever Vulkan driver there is. Without one they fail and name the package to install.
 
+mod guard;
 mod harness;
 mod identity;
 mod lighting;
 mod lookup;
 mod reference;
+mod stability;
 mod truth;

@@ -82,6 +82,27 @@ fn sealed_boxes_leak_nothing() {
     }
 }
 
+/// A light in a plane of the scene's axes has a direction with a zero, and that towards it one with a minus: both must
+/// find the box.
+#[test]
+fn zeros_of_either_sign_are_directions() {
+    let place = |x: f32| Affine3A::from_translation(Vec3::new(x, 0.0, 0.25));
+    let scene = TruthScene::new((0..20).map(|i| instance(&cube(), place(5.0 * i as f32))));
+    for zero in [0.0, -0.0] {
+        for (point, to_light) in [
+            (DVec3::new(2.0, -3.0, 0.0), DVec3::new(-0.6, 0.8, zero)),
+            (DVec3::new(40.0, -3.0, -3.0), DVec3::new(zero, 0.6, 0.8)),
+            (DVec3::new(60.5, -3.0, 0.0), DVec3::new(zero, 1.0, zero)),
+            (DVec3::new(-9.0, 0.5, 0.5), DVec3::new(1.0, zero, zero)),
+        ] {
+            assert!(scene.is_in_shadow(point, to_light, 0.001), "{to_light} misses the box");
+            let away = DVec3::new(to_light.x, -to_light.y, zero);
+            let is_clear = to_light.y == 0.0 || !scene.is_in_shadow(point, away, 0.001);
+            assert!(is_clear, "{away} hits something");
+        }
+    }
+}
+
 /// Points on a plane and the sun almost in it: nothing shadows itself, from either side of the single-sided plane.
 #[test]
 fn grazing_planes_do_not_shadow_themselves() {

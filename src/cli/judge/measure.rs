@@ -48,7 +48,7 @@ impl ShotTruth {
         with_floor: bool,
         progress: impl Fn(usize) + Sync,
     ) -> Self {
-        let rays = PixelRays::of_camera(&shot.camera(), shot.fov_y_deg.to_radians(), size);
+        let rays = PixelRays::of_camera(size, &shot.camera(), f64::from(shot.fov_y_deg).to_radians());
         let to_light = -Vec3::from(shot.light_dir).as_dvec3();
         let traced = trace(&scene, &rays, depths, f64::from(shot.far), to_light, progress);
         let mut shot_truth = Self {

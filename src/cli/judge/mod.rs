@@ -179,7 +179,7 @@ impl Judge {
             (&row.truth, truth_picture(&truth.traced.truth)),
             (&row.difference, difference_picture(&mask.bytes, &truth.traced.truth)),
         ] {
-            write_pixels(&out.join(name), size, &picture, ColorType::Rgb8).map_err(Failure::failed)?;
+            write_pixels(&out.join(name), size, picture.as_flattened(), ColorType::Rgb8).map_err(Failure::failed)?;
         }
         self.report.rows.push(row);
         self.truth = Some(truth);

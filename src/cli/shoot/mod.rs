@@ -1,6 +1,6 @@
 //! `umbrage shoot`: pictures of scenes without a window.
 
-mod stage;
+pub(super) mod stage;
 mod stats;
 
 use std::{
@@ -50,6 +50,22 @@ pub(super) fn run_with(
     judge: Option<Judge>,
     shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
 ) -> Result<Option<Judge>, Failure> {
+    let mut session = open(assets, args, judge, shots_of_scene)?;
+    let result = args.scenes.iter().try_for_each(|scene| session.shoot_scene(scene));
+    session.bar.finish_and_clear();
+    result?;
+    // A shard without shots leaves a file too, so that nobody takes it for lost.
+    session.write_stats()?;
+    Ok(session.judge)
+}
+
+/// Checks the arguments and starts an app for them.
+pub(super) fn open<'a>(
+    assets: Option<&Path>,
+    args: &'a Shoot,
+    judge: Option<Judge>,
+    shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
+) -> Result<Session<'a>, Failure> {
     let root = asset_root(assets).map_err(Failure::failed)?;
     for scene in &args.scenes {
         scene.check(&root).map_err(Failure::failed)?;
@@ -69,7 +85,7 @@ pub(super) fn run_with(
         RenderDiagnosticsPlugin,
     ));
     headless::finish(&mut app);
-    let mut session = Session {
+    Ok(Session {
         stats: Stats::new(&app),
         app,
         args,
@@ -79,13 +95,7 @@ pub(super) fn run_with(
         place: 0,
         bar: progress_bar(),
         judge,
-    };
-    let result = args.scenes.iter().try_for_each(|scene| session.shoot_scene(scene));
-    session.bar.finish_and_clear();
-    result?;
-    // A shard without shots leaves a file too, so that nobody takes it for lost.
-    session.write_stats()?;
-    Ok(session.judge)
+    })
 }
 
 /// A bar on a terminal, nothing anywhere else.
@@ -101,8 +111,8 @@ fn progress_bar() -> ProgressBar {
 }
 
 /// A running `shoot`.
-struct Session<'a> {
-    app: App,
+pub(super) struct Session<'a> {
+    pub(super) app: App,
     args: &'a Shoot,
     from_file: Option<Vec<Shot>>,
     shots_of_scene: fn(&LoadedScene) -> Vec<Shot>,
@@ -111,13 +121,24 @@ struct Session<'a> {
     names: HashSet<String>,
     /// Shots so far, of all scenes: what shards count.
     place: usize,
-    bar: ProgressBar,
+    pub(super) bar: ProgressBar,
     /// What judging has found; `None`: pictures only.
     judge: Option<Judge>,
 }
 
 impl Session<'_> {
     fn shoot_scene(&mut self, source: &SceneSource) -> Result<(), Failure> {
+        let (shots, sun) = self.enter(source)?;
+        let scene = source.name();
+        self.bar.inc_length((shots.len() * self.args.techniques.len()) as u64);
+        for (place, shot) in shots {
+            self.shoot_shot(&scene, place, &shot, sun)?;
+        }
+        Ok(())
+    }
+
+    /// Loads a scene; its shots to take with their places among all shots, and its sun.
+    pub(super) fn enter(&mut self, source: &SceneSource) -> Result<(Vec<(usize, Shot)>, Entity), Failure> {
         self.load(source)?;
         let scene = source.name();
         let shots = self.shots_of(&scene)?;
@@ -126,14 +147,10 @@ impl Session<'_> {
             let mut suns = world.query_filtered::<Entity, With<Sun>>();
             suns.iter(world).next()
         };
-        let Some(sun) = sun else {
-            return Err(Failure::Failed(format!("{scene} has no sun")));
-        };
-        self.bar.inc_length((shots.len() * self.args.techniques.len()) as u64);
-        for (place, shot) in shots {
-            self.shoot_shot(&scene, place, &shot, sun)?;
+        match sun {
+            Some(sun) => Ok((shots, sun)),
+            None => Err(Failure::Failed(format!("{scene} has no sun"))),
         }
-        Ok(())
     }
 
     /// Loads a scene in place of the one before.
@@ -275,18 +292,19 @@ impl Session<'_> {
     }
 
     /// Writes the statistics so far. Shards that share a folder write one file each.
-    fn write_stats(&self) -> Result<(), Failure> {
-        let path = self.args.out.join(stats_name(self.args.shard));
+    pub(super) fn write_stats(&self) -> Result<(), Failure> {
+        let path = self.args.out.join(part_name("stats", self.args.shard));
         let json = serde_json::to_string_pretty(&self.stats).map_err(Failure::failed)?;
         pictures::write_whole(&path, json.as_bytes()).map_err(Failure::failed)
     }
 }
 
-fn stats_name(shard: Shard) -> PathBuf {
+/// The file of one shard: `stats.json` when there is only one, else `stats.2-of-3.json`.
+pub(super) fn part_name(stem: &str, shard: Shard) -> PathBuf {
     if shard == Shard::ALL {
-        "stats.json".into()
+        format!("{stem}.json").into()
     } else {
-        format!("stats.{}-of-{}.json", shard.index, shard.count).into()
+        format!("{stem}.{}-of-{}.json", shard.index, shard.count).into()
     }
 }
 

@@ -40,7 +40,7 @@ const WARM_UP: usize = 3;
 const TIMED: usize = 5;
 
 /// A camera with the images that it draws into.
-pub(super) struct Stage {
+pub(in crate::cli) struct Stage {
     camera: Entity,
     sun: Entity,
     color: Handle<Image>,
@@ -56,9 +56,9 @@ struct Surfaces {
 }
 
 /// A picture that stands still.
-pub(super) struct Settled {
+pub(in crate::cli) struct Settled {
     /// One per image that was asked for.
-    pub(super) texels: Vec<Texels>,
+    pub(in crate::cli) texels: Vec<Texels>,
     /// Seconds of each frame after the warm-up.
     pub(super) seconds: Vec<f64>,
     /// Times of passes in the same frames.
@@ -69,7 +69,7 @@ pub(super) struct Settled {
 
 impl Stage {
     /// Spawns the camera of a shot and turns the sun.
-    pub(super) fn new(app: &mut App, shot: &Shot, sun: Entity, passes: &[Pass]) -> Self {
+    pub(in crate::cli) fn new(app: &mut App, shot: &Shot, sun: Entity, passes: &[Pass]) -> Self {
         let world = app.world_mut();
         let mut images = world.resource_mut::<Assets<Image>>();
         let mut target = |format| images.add(capture::readable_target(shot.width, shot.height, format));
@@ -82,13 +82,6 @@ impl Stage {
         let mut camera = world.spawn((
             Camera3d::default(),
             RenderTarget::Image(color.clone().into()),
-            Projection::Perspective(PerspectiveProjection {
-                fov: shot.fov_y_deg.to_radians(),
-                near: shot.near,
-                far: shot.far,
-                ..default()
-            }),
-            shot.camera(),
             Exposure::default(),
             // Needs no look-up table.
             Tonemapping::AcesFitted,
@@ -105,20 +98,29 @@ impl Stage {
             });
         }
         let camera = camera.id();
-        if let Some(mut transform) = world.get_mut::<Transform>(sun) {
-            *transform = sun_transform(shot.light_dir.into());
-        }
-        Self {
+        let stage = Self {
             camera,
             sun,
             color,
             surfaces,
             far: shot.far,
+        };
+        stage.aim(app, shot);
+        stage
+    }
+
+    /// Places camera and sun as a shot says: the one that the stage was made for, or another of the same size and far
+    /// plane.
+    pub(in crate::cli) fn aim(&self, app: &mut App, shot: &Shot) {
+        let mut camera = app.world_mut().entity_mut(self.camera);
+        camera.insert((projection(shot), shot.camera()));
+        if let Some(mut transform) = app.world_mut().get_mut::<Transform>(self.sun) {
+            *transform = sun_transform(shot.light_dir.into());
         }
     }
 
     /// Makes a technique the sun's. Stock cascades get the shot's far plane as their end, and keep their other defaults.
-    pub(super) fn apply(&self, app: &mut App, technique: &Technique) {
+    pub(in crate::cli) fn apply(&self, app: &mut App, technique: &Technique) {
         let world = app.world_mut();
         if world.get::<SunShadows>(self.sun).is_none() {
             // What stock cascades with other biases have left would show in fallback maps.
@@ -140,7 +142,7 @@ impl Stage {
     }
 
     /// The image that holds a pass, as far as this stage draws it.
-    pub(super) fn image(&self, pass: Pass) -> Option<&Handle<Image>> {
+    pub(in crate::cli) fn image(&self, pass: Pass) -> Option<&Handle<Image>> {
         let surfaces = self.surfaces.as_ref();
         match pass {
             Pass::Beauty | Pass::Lit => Some(&self.color),
@@ -151,7 +153,7 @@ impl Stage {
     }
 
     /// Draws frames until the images of the passes are the same twice in a row, bit for bit, and some frames are timed.
-    pub(super) fn settle(&self, app: &mut App, passes: &[Pass]) -> Result<Settled, Failure> {
+    pub(in crate::cli) fn settle(&self, app: &mut App, passes: &[Pass]) -> Result<Settled, Failure> {
         let images: Vec<_> = passes.iter().filter_map(|pass| self.image(*pass)).collect();
         let mut seconds = Vec::new();
         let mut before = Vec::new();
@@ -204,9 +206,18 @@ impl Stage {
     }
 
     /// Removes the camera and its images.
-    pub(super) fn strike(self, app: &mut App) {
+    pub(in crate::cli) fn strike(self, app: &mut App) {
         app.world_mut().despawn(self.camera);
     }
+}
+
+fn projection(shot: &Shot) -> Projection {
+    Projection::Perspective(PerspectiveProjection {
+        fov: shot.fov_y_deg.to_radians(),
+        near: shot.near,
+        far: shot.far,
+        ..default()
+    })
 }
 
 /// Bevy's default cascades, stretched to `far`; the first one shrinks where `far` is nearer than its default end.

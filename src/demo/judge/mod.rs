@@ -144,7 +144,7 @@ fn freeze(
     commands.insert_resource(Judging {
         camera,
         had_normals,
-        rays: PixelRays::of_camera(eye, projection.fov, size),
+        rays: PixelRays::of_camera(size, eye, f64::from(projection.fov)),
         far: f64::from(projection.far),
         direction_to_light: sun_place.back().as_dvec3(),
         frame: Frame::default(),

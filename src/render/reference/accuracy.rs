@@ -128,6 +128,9 @@ pub fn edge_band(size: UVec2, truth: &[PixelTruth]) -> Vec<bool> {
 
 fn is_near_edge(size: UVec2, truth: &[PixelTruth], index: usize) -> bool {
     let width = size.x as i32;
+    if width <= 0 {
+        return false;
+    }
     let (x, y) = (index as i32 % width, index as i32 / width);
     (-BAND..=BAND).any(|dy| {
         (-BAND..=BAND).any(|dx| {
@@ -213,5 +216,10 @@ mod tests {
     fn nothing_valid_is_nothing_wrong() {
         assert_eq!(compare(SIZE, &[0; 12], &[Sky; 12]).overall.wrong_share(), 0.0);
         assert_eq!(compare(SIZE, &[], &[]).overall, Counts::default());
+        assert_eq!(
+            compare(UVec2::ZERO, &[0], &[Lit]).band,
+            Counts::default(),
+            "no width, no neighbors"
+        );
     }
 }

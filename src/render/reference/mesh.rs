@@ -204,7 +204,9 @@ pub(super) fn padded(min: Vec3, max: Vec3) -> Aabb {
 
 /// A ray for a tree, without limits: the triangles' own test has them. `None` where single precision ends.
 pub(super) fn tree_ray(ray: &LocalRay) -> Option<Ray> {
-    let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
+    // NOTE: adding zero turns −0 into 0. The trees take the inverse of −0 for negative but its sign for positive, and
+    // miss every box: a light along an axis of the scene would cast no shadows.
+    let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3() + Vec3::ZERO);
     let is_fit = origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO;
     is_fit.then(|| Ray::new(origin.to_array().into(), direction.to_array().into(), 0.0, f32::MAX))
 }

@@ -12,6 +12,7 @@
 //! 7. [`light_maps`]: the maps of a technique, and which of them a pixel reads.
 //! 8. [`sampling`]: texel ÷ pixel of every valid pixel, and how many texels visible receivers touch.
 //! 9. [`floor`]: what perfectly spread texels would get wrong.
+//! 10. [`stability`]: how much masks crawl and pictures pop from frame to frame.
 
 pub mod accuracy;
 pub mod extract;
@@ -22,3 +23,4 @@ pub mod pictures;
 pub mod pixels;
 pub mod sampling;
 pub mod scene;
+pub mod stability;

@@ -7,7 +7,7 @@ use std::{
 };
 
 use bevy::{
-    math::{DMat4, DVec3, Dir3, UVec2},
+    math::{DMat4, DVec3, UVec2},
     transform::components::Transform,
 };
 
@@ -31,16 +31,17 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
-    /// The rays of a camera: its place, its vertical field of view in radians, its picture in pixels.
-    pub fn of_camera(camera: &Transform, fov_y: f32, size: UVec2) -> Self {
-        let axis = |axis: Dir3| axis.as_dvec3().normalize();
+    /// The rays of a camera; `fov_y` is its full vertical field of view in radians.
+    pub fn of_camera(size: UVec2, camera: &Transform, fov_y: f64) -> Self {
+        // At right angles in double precision: what is seen through a pixel projects back onto it.
+        let world_from_camera = camera.rotation.as_dquat().normalize();
         Self {
             size,
             eye: camera.translation.as_dvec3(),
-            right: axis(camera.right()),
-            up: axis(camera.up()),
-            forward: axis(camera.forward()),
-            tan_half_fov_y: (f64::from(fov_y) / 2.0).tan(),
+            right: world_from_camera * DVec3::X,
+            up: world_from_camera * DVec3::Y,
+            forward: world_from_camera * DVec3::NEG_Z,
+            tan_half_fov_y: (fov_y / 2.0).tan(),
         }
     }
 
