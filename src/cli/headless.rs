@@ -16,7 +16,7 @@ use std::{
 };
 
 use bevy::{
-    app::{PluginsState, TerminalCtrlCHandlerPlugin},
+    app::{PluginsState, SubApps, TerminalCtrlCHandlerPlugin},
     log::{Level, LogPlugin},
     prelude::*,
     render::{
@@ -97,10 +97,53 @@ pub fn finish(app: &mut App) {
 
 /// One frame of both worlds, until the GPU has drawn it; the time that it took.
 pub fn frame(app: &mut App) -> Duration {
-    let start = Instant::now();
-    app.update();
+    timed_frame(app).total()
+}
+
+/// Where the time of one frame goes, one after the other: nothing runs beside it without pipelined rendering.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameTime {
+    /// The main world's schedules.
+    pub main_world: Duration,
+    /// Main world to render world.
+    pub extract: Duration,
+    /// The render world's schedules: preparing, queueing, recording commands.
+    pub render_world: Duration,
+    /// Waiting for the GPU to finish what was recorded; it may have begun earlier.
+    pub gpu_wait: Duration,
+}
+
+impl FrameTime {
+    /// The whole frame.
+    #[must_use]
+    pub fn total(self) -> Duration {
+        self.main_world + self.extract + self.render_world + self.gpu_wait
+    }
+}
+
+/// [`App::update`] step by step, and the wait for the GPU.
+pub fn timed_frame(app: &mut App) -> FrameTime {
+    let mut time = FrameTime::default();
+    let mut last = Instant::now();
+    let mut lap = |part: &mut Duration| {
+        let now = Instant::now();
+        *part += now - last;
+        last = now;
+    };
+    let SubApps { main, sub_apps } = app.sub_apps_mut();
+    main.run_default_schedule();
+    lap(&mut time.main_world);
+    for sub_app in sub_apps.values_mut() {
+        sub_app.extract(main.world_mut());
+        lap(&mut time.extract);
+        sub_app.update();
+        lap(&mut time.render_world);
+    }
+    main.world_mut().clear_trackers();
+    lap(&mut time.main_world);
     capture::wait_for_gpu(app);
-    start.elapsed()
+    lap(&mut time.gpu_wait);
+    time
 }
 
 /// The adapter in use, as `name (backend)`.

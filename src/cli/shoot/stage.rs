@@ -37,7 +37,7 @@ const WARM_UP: usize = 3;
 const TIMED: usize = 5;
 
 /// A camera with the images that it draws into.
-pub(super) struct Stage {
+pub(in crate::cli) struct Stage {
     camera: Entity,
     sun: Entity,
     color: Handle<Image>,
@@ -66,7 +66,7 @@ pub(super) struct Settled {
 
 impl Stage {
     /// Spawns the camera of a shot and turns the sun.
-    pub(super) fn new(app: &mut App, shot: &Shot, sun: Entity, passes: &[Pass]) -> Self {
+    pub(in crate::cli) fn new(app: &mut App, shot: &Shot, sun: Entity, passes: &[Pass]) -> Self {
         let world = app.world_mut();
         let mut images = world.resource_mut::<Assets<Image>>();
         let mut target = |format| images.add(capture::readable_target(shot.width, shot.height, format));
@@ -115,7 +115,7 @@ impl Stage {
     }
 
     /// Makes a technique the sun's. Stock cascades get the shot's far plane as their end, and keep their other defaults.
-    pub(super) fn apply(&self, app: &mut App, technique: &Technique) {
+    pub(in crate::cli) fn apply(&self, app: &mut App, technique: &Technique) {
         let world = app.world_mut();
         technique.apply(&mut world.commands().entity(self.sun));
         world.flush();
@@ -192,12 +192,12 @@ impl Stage {
     }
 
     /// The camera's entity.
-    pub(super) fn camera(&self) -> Entity {
+    pub(in crate::cli) fn camera(&self) -> Entity {
         self.camera
     }
 
     /// Removes the camera and its images.
-    pub(super) fn strike(self, app: &mut App) {
+    pub(in crate::cli) fn strike(self, app: &mut App) {
         app.world_mut().despawn(self.camera);
     }
 }
