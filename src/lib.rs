@@ -3,7 +3,7 @@
 //! The crate is a house of rooms; imports point down only (`tests/rooms.rs` holds it):
 //!
 //! ```text
-//! cli ──► demo ──► ui ──► level ──► render ──► shadow ──► maths
+//! cli ──► demo ──► ui, plot ──► level ──► render ──► shadow ──► maths
 //! ```
 //!
 //! | room | what it is | needs feature |
@@ -13,8 +13,9 @@
 //! | [`render`] | render world: caster phase, shadow atlas, shadow result texture, bridge into Bevy | `render` |
 //! | [`level`] | levels: `.level.ron` assets, generators of forest, city and rooms | `demo` |
 //! | [`ui`] | head-up display, help, menus | `demo` |
+//! | [`plot`] | figures: curves and bars as pixels | `demo` |
 //! | [`demo`] | the playable demo: screens, walker, sun controls | `demo` |
-//! | [`cli`] | the command line: `play`, `shoot`, `list` | `demo` |
+//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `bench`, `list` | `demo` |
 
 pub mod maths;
 
@@ -29,6 +30,8 @@ pub mod cli;
 pub mod demo;
 #[cfg(feature = "demo")]
 pub mod level;
+#[cfg(feature = "demo")]
+pub mod plot;
 #[cfg(feature = "demo")]
 pub mod ui;
 

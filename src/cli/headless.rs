@@ -23,7 +23,7 @@ use bevy::{
         RenderApp, RenderPlugin,
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{CachedPipelineState, PipelineCache},
-        renderer::RenderAdapterInfo,
+        renderer::{RenderAdapterInfo, RenderGraph, RenderGraphSystems},
         settings::RenderCreation,
     },
     shader::ShaderCacheError,
@@ -83,6 +83,19 @@ pub fn app(root: &AssetRoot) -> Result<App, NoAdapter> {
         app.add_plugins(plugins);
     }
     app.insert_resource(TimeUpdateStrategy::ManualDuration(TIME_STEP));
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        render_app.init_resource::<Submission>().add_systems(
+            RenderGraph,
+            (
+                begin_submission
+                    .after(RenderGraphSystems::Render)
+                    .before(RenderGraphSystems::Submit),
+                end_submission
+                    .after(RenderGraphSystems::Submit)
+                    .before(RenderGraphSystems::Finish),
+            ),
+        );
+    }
     Ok(app)
 }
 
@@ -107,9 +120,11 @@ pub struct FrameTime {
     pub main_world: Duration,
     /// Main world to render world.
     pub extract: Duration,
-    /// The render world's schedules: preparing, queueing, recording commands.
+    /// The render world's schedules without the submission: preparing, queueing, recording commands.
     pub render_world: Duration,
-    /// Waiting for the GPU to finish what was recorded; it may have begun earlier.
+    /// Handing the commands to the driver. Some software drivers draw here.
+    pub submit: Duration,
+    /// Waiting for the GPU to finish what was submitted.
     pub gpu_wait: Duration,
 }
 
@@ -117,8 +132,29 @@ impl FrameTime {
     /// The whole frame.
     #[must_use]
     pub fn total(self) -> Duration {
-        self.main_world + self.extract + self.render_world + self.gpu_wait
+        self.cpu() + self.submit + self.gpu_wait
     }
+
+    /// What the two worlds take, without drawing.
+    #[must_use]
+    pub fn cpu(self) -> Duration {
+        self.main_world + self.extract + self.render_world
+    }
+}
+
+/// In the render world: how long the last submission took.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+struct Submission {
+    begin: Option<Instant>,
+    time: Duration,
+}
+
+fn begin_submission(mut submission: ResMut<Submission>) {
+    submission.begin = Some(Instant::now());
+}
+
+fn end_submission(mut submission: ResMut<Submission>) {
+    submission.time = submission.begin.take().map_or(Duration::ZERO, |begin| begin.elapsed());
 }
 
 /// [`App::update`] step by step, and the wait for the GPU.
@@ -138,11 +174,15 @@ pub fn timed_frame(app: &mut App) -> FrameTime {
         lap(&mut time.extract);
         sub_app.update();
         lap(&mut time.render_world);
+        if let Some(mut submission) = sub_app.world_mut().get_resource_mut::<Submission>() {
+            time.submit += std::mem::take(&mut submission.time);
+        }
     }
     main.world_mut().clear_trackers();
     lap(&mut time.main_world);
     capture::wait_for_gpu(app);
     lap(&mut time.gpu_wait);
+    time.render_world = time.render_world.saturating_sub(time.submit);
     time
 }
 

@@ -29,6 +29,7 @@ pub(super) fn run(assets: Option<&Path>, what: &ListWhat) -> Result<(), Failure>
             }
         }
         ListWhat::Shots { scene } => shots(assets, scene)?,
+        ListWhat::Paths { scene } => paths(assets, scene)?,
     }
     Ok(())
 }
@@ -67,6 +68,27 @@ fn shots(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
                 ));
             }
         }
+    }
+    Ok(())
+}
+
+fn paths(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
+    let root = asset_root(assets).map_err(Failure::failed)?;
+    scene.check(&root).map_err(Failure::failed)?;
+    let paths = match scene {
+        SceneSource::Gltf(_) => Vec::new(),
+        SceneSource::Level { name, .. } => level(&root, name)?.camera_paths,
+    };
+    if paths.is_empty() {
+        remark(format!("{scene} has no camera paths; `bench` goes round it"));
+    }
+    for path in paths {
+        say(format!(
+            "{:<20} {} s, {} keys",
+            path.name,
+            path.duration(),
+            path.keys.len()
+        ));
     }
     Ok(())
 }

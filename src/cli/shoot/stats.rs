@@ -115,9 +115,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(in crate::cli) struct PassTimes {
     #[serde(skip_serializing_if = "Option::is_none")]
-    gpu: Option<f64>,
+    pub(in crate::cli) gpu: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    cpu: Option<f64>,
+    pub(in crate::cli) cpu: Option<f64>,
 }
 
 /// Forgets the times of passes so far.
@@ -273,21 +273,29 @@ fn casters_drawn(app: &App, sun: Entity, camera: Entity, technique: &Technique) 
     let world = app.world();
     match technique {
         Technique::Umbrage(settings) if settings.path == ShadowPath::Full => {
-            let (Some(render_app), Some(camera)) = (app.get_sub_app(RenderApp), world.get::<RenderEntity>(camera))
-            else {
+            let (Some(render_app), Some(camera)) = (app.get_sub_app(RenderApp), render_entity(app, camera)) else {
                 return Vec::new();
             };
-            drawn::casters_drawn(render_app.world(), camera.id())
+            drawn::casters_drawn(render_app.world(), camera)
                 .map(|counts| counts.into_iter().map(|count| count as usize).collect())
                 .unwrap_or_default()
         }
-        // Bevy draws what it finds visible in a cascade.
-        _ => world
-            .get::<CascadesVisibleEntities>(sun)
-            .and_then(|visible| visible.entities.get(&camera))
-            .map(|cascades| cascades.iter().map(|cascade| cascade.entities.len()).collect())
-            .unwrap_or_default(),
+        _ => bevy_casters(world, sun, camera),
     }
+}
+
+/// Casters that Bevy drew into each cascade for a camera: those that it finds visible in it.
+pub(in crate::cli) fn bevy_casters(world: &World, sun: Entity, camera: Entity) -> Vec<usize> {
+    world
+        .get::<CascadesVisibleEntities>(sun)
+        .and_then(|visible| visible.entities.get(&camera))
+        .map(|cascades| cascades.iter().map(|cascade| cascade.entities.len()).collect())
+        .unwrap_or_default()
+}
+
+/// An entity's twin in the render world.
+pub(in crate::cli) fn render_entity(app: &App, entity: Entity) -> Option<Entity> {
+    app.world().get::<RenderEntity>(entity).map(RenderEntity::id)
 }
 
 /// The light views of a camera in the frame just drawn.
