@@ -15,7 +15,7 @@
 //! | [`ui`] | head-up display, help, menus | `demo` |
 //! | [`plot`] | figures: curves and bars as pixels | `demo` |
 //! | [`demo`] | the playable demo: screens, walker, sun controls | `demo` |
-//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `list` | `demo` |
+//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `bench`, `list` | `demo` |
 
 pub mod maths;
 

@@ -37,6 +37,8 @@ pub enum Command {
     Shoot(Shoot),
     /// Compare shadow masks with ray-traced truth: a table, report.json, report.md, pictures and plots
     Judge(Judge),
+    /// Measure what techniques cost along a camera path: a table, bench.json, bench.csv and plots
+    Bench(Bench),
     /// Say what there is
     List {
         /// What to list
@@ -139,6 +141,35 @@ pub struct Stability {
     pub path: Option<String>,
 }
 
+/// Most frames that are measured per technique.
+const MAX_FRAMES: i64 = 100_000;
+
+/// Arguments of `bench`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct Bench {
+    /// A level (forest, city, room/fence), with settings (stress_trees:count=1000), or a .glb file
+    #[arg(value_name = "SCENE")]
+    pub scene: SceneSource,
+    /// The camera path, as `list paths SCENE` names it [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub path: Option<String>,
+    /// A technique, as in zp4+lispsm:size=1024; may be given several times
+    #[arg(long = "technique", value_name = "T", default_value = "zp4+lispsm")]
+    pub techniques: Vec<NamedTechnique>,
+    /// Measured frames per technique, spread evenly over the path
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
+    pub frames: u32,
+    /// Print ratios to this technique, which is measured in the same run
+    #[arg(long, value_name = "T")]
+    pub against: Option<NamedTechnique>,
+    /// Size of the pictures in pixels [default: 1280x720]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Where the files go
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
 /// What `list` lists.
 #[derive(Clone, Debug, Subcommand)]
 pub enum ListWhat {
@@ -150,6 +181,11 @@ pub enum ListWhat {
     Passes,
     /// Shots of a scene
     Shots {
+        /// A level, with or without settings
+        scene: SceneSource,
+    },
+    /// Camera paths of a scene
+    Paths {
         /// A level, with or without settings
         scene: SceneSource,
     },
@@ -286,6 +322,24 @@ mod tests {
     }
 
     #[test]
+    fn bench_measures_the_default_against_a_rival() {
+        let text = "umbrage bench forest --path walk --against bevy --frames 20 --size 64x36";
+        let Ok(Args {
+            command: Some(Command::Bench(bench)),
+            ..
+        }) = parse(text)
+        else {
+            panic!("must parse");
+        };
+        assert_eq!(bench.techniques[0].technique, Technique::default());
+        assert_eq!(
+            bench.against.map(|rival| rival.technique),
+            Some(Technique::Bevy(StockBias::default()))
+        );
+        assert_eq!((bench.frames, bench.path.as_deref()), (20, Some("walk")));
+    }
+
+    #[test]
     fn nonsense_exits_with_two() {
         for text in [
             "umbrage dance",
@@ -297,6 +351,11 @@ mod tests {
             "umbrage judge forest --along sideways",
             "umbrage judge forest --along sun --frames 1",
             "umbrage judge forest --path walk",
+            "umbrage bench",
+            "umbrage bench forest city",
+            "umbrage bench forest --frames 0",
+            "umbrage bench forest --frames 100001",
+            "umbrage bench forest --against stock",
             "umbrage play --preset best",
             "umbrage list",
         ] {

@@ -16,14 +16,14 @@ use std::{
 };
 
 use bevy::{
-    app::{PluginsState, TerminalCtrlCHandlerPlugin},
+    app::{PluginsState, SubApps, TerminalCtrlCHandlerPlugin},
     log::{Level, LogPlugin},
     prelude::*,
     render::{
-        RenderApp, RenderPlugin,
+        Render, RenderApp, RenderPlugin, RenderSystems,
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{CachedPipelineState, PipelineCache},
-        renderer::RenderAdapterInfo,
+        renderer::{RenderAdapterInfo, RenderGraph, RenderGraphSystems},
         settings::RenderCreation,
     },
     shader::ShaderCacheError,
@@ -83,6 +83,22 @@ pub fn app(root: &AssetRoot) -> Result<App, NoAdapter> {
         app.add_plugins(plugins);
     }
     app.insert_resource(TimeUpdateStrategy::ManualDuration(TIME_STEP));
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        render_app
+            .init_resource::<Submission>()
+            .add_systems(
+                RenderGraph,
+                begin_submission
+                    .after(RenderGraphSystems::Render)
+                    .before(RenderGraphSystems::Submit),
+            )
+            .add_systems(
+                Render,
+                end_submission
+                    .after(RenderSystems::Render)
+                    .before(RenderSystems::Cleanup),
+            );
+    }
     Ok(app)
 }
 
@@ -97,10 +113,80 @@ pub fn finish(app: &mut App) {
 
 /// One frame of both worlds, until the GPU has drawn it; the time that it took.
 pub fn frame(app: &mut App) -> Duration {
-    let start = Instant::now();
-    app.update();
+    timed_frame(app).total()
+}
+
+/// Where the time of one frame goes, one after the other: nothing runs beside it without pipelined rendering.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameTime {
+    /// The main world's schedules.
+    pub main_world: Duration,
+    /// Main world to render world.
+    pub extract: Duration,
+    /// The render world's schedules without the submission: preparing, queueing, recording commands.
+    pub render_world: Duration,
+    /// Handing the commands to the driver, those of read-backs included. Some software drivers draw here.
+    pub submit: Duration,
+    /// Waiting for the GPU to finish what was submitted.
+    pub gpu_wait: Duration,
+}
+
+impl FrameTime {
+    /// The whole frame.
+    #[must_use]
+    pub fn total(self) -> Duration {
+        self.cpu() + self.submit + self.gpu_wait
+    }
+
+    /// What the two worlds take, without drawing.
+    #[must_use]
+    pub fn cpu(self) -> Duration {
+        self.main_world + self.extract + self.render_world
+    }
+}
+
+/// In the render world: how long the last submission took.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+struct Submission {
+    begin: Option<Instant>,
+    time: Duration,
+}
+
+fn begin_submission(mut submission: ResMut<Submission>) {
+    submission.begin = Some(Instant::now());
+}
+
+fn end_submission(mut submission: ResMut<Submission>) {
+    submission.time = submission.begin.take().map_or(Duration::ZERO, |begin| begin.elapsed());
+}
+
+/// [`App::update`] step by step, and the wait for the GPU.
+pub fn timed_frame(app: &mut App) -> FrameTime {
+    let mut time = FrameTime::default();
+    let mut last = Instant::now();
+    let mut lap = |part: &mut Duration| {
+        let now = Instant::now();
+        *part += now - last;
+        last = now;
+    };
+    let SubApps { main, sub_apps } = app.sub_apps_mut();
+    main.run_default_schedule();
+    lap(&mut time.main_world);
+    for sub_app in sub_apps.values_mut() {
+        sub_app.extract(main.world_mut());
+        lap(&mut time.extract);
+        sub_app.update();
+        lap(&mut time.render_world);
+        if let Some(mut submission) = sub_app.world_mut().get_resource_mut::<Submission>() {
+            time.submit += std::mem::take(&mut submission.time);
+        }
+    }
+    main.world_mut().clear_trackers();
+    lap(&mut time.main_world);
     capture::wait_for_gpu(app);
-    start.elapsed()
+    lap(&mut time.gpu_wait);
+    time.render_world = time.render_world.saturating_sub(time.submit);
+    time
 }
 
 /// The adapter in use, as `name (backend)`.

@@ -31,6 +31,7 @@ pub(super) fn run(assets: Option<&Path>, what: &ListWhat) -> Result<(), Failure>
             }
         }
         ListWhat::Shots { scene } => shots(assets, scene)?,
+        ListWhat::Paths { scene } => paths(assets, scene)?,
     }
     Ok(())
 }
@@ -79,6 +80,27 @@ fn shot_line(shot: &LevelShot) -> String {
     let kind = shot.kind.map(|kind| format!("; {}", kind.about())).unwrap_or_default();
     let (name, near, far) = (&shot.name, shot.near, shot.far);
     format!("{name:<20} from ({x}, {y}, {z}), {width}x{height}, {near}..{far} m{kind}")
+}
+
+fn paths(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
+    let root = asset_root(assets).map_err(Failure::failed)?;
+    scene.check(&root).map_err(Failure::failed)?;
+    let paths = match scene {
+        SceneSource::Gltf(_) => Vec::new(),
+        SceneSource::Level { name, .. } => level(&root, name)?.camera_paths,
+    };
+    if paths.is_empty() {
+        remark(format!("{scene} has no camera paths; `bench` goes round it"));
+    }
+    for path in paths {
+        say(format!(
+            "{:<20} {} s, {} keys",
+            path.name,
+            path.duration(),
+            path.keys.len()
+        ));
+    }
+    Ok(())
 }
 
 /// Reads the file of a level.

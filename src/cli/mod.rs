@@ -1,9 +1,10 @@
-//! The command line: `play`, `shoot`, `judge`, `list`.
+//! The command line: `play`, `shoot`, `judge`, `bench`, `list`.
 //!
 //! Exit codes: 0 done; 1 could not do it, with one sentence on stderr; 2 wrong arguments. Pictures and tables are the
 //! result: what goes to stdout is one line per result, everything else goes to stderr.
 
 pub mod args;
+mod bench;
 pub mod headless;
 mod judge;
 mod list;
@@ -79,10 +80,9 @@ fn run(args: Args) -> Result<(), Failure> {
         None => play::run(assets, &args::Play::default()),
         Some(Command::Play(play_args)) => play::run(assets, &play_args),
         Some(Command::Shoot(shoot_args)) => shoot::run(assets, &shoot_args),
-        Some(Command::Judge(judge_args)) if judge_args.stability.along.is_empty() => {
-            judge::run(assets, &judge_args.shoot)
-        }
+        Some(Command::Judge(judge_args)) if judge_args.stability.along.is_empty() => judge::run(assets, &judge_args),
         Some(Command::Judge(judge_args)) => stability::run(assets, &judge_args),
+        Some(Command::Bench(bench_args)) => bench::run(assets, &bench_args),
         Some(Command::List { what }) => list::run(assets, &what),
     }
 }

@@ -13,7 +13,7 @@ use bevy::{
     },
 };
 
-use crate::shadow::views::SunViews;
+use crate::shadow::{timing::SystemTimes, views::SunViews};
 
 /// By light and camera (main world): [`LightView::caster_depth_bias`](crate::shadow::views::LightView) of every cascade.
 #[derive(Resource, Default)]
@@ -24,6 +24,7 @@ pub struct DropInPlugin;
 
 impl Plugin for DropInPlugin {
     fn build(&self, app: &mut App) {
+        let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
@@ -32,7 +33,8 @@ impl Plugin for DropInPlugin {
             .add_systems(ExtractSchedule, extract_caster_depth_biases)
             .add_systems(
                 Render,
-                bias_shadow_views
+                times
+                    .clock("bias_shadow_views", bias_shadow_views)
                     .in_set(RenderSystems::PrepareResources)
                     .before(prepare_view_uniforms),
             );

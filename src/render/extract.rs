@@ -9,6 +9,7 @@ use super::camera::takes_full_path;
 use crate::shadow::{
     checked::checked,
     settings::{ShadowPath, SunShadows},
+    timing::SystemTimes,
     views::{LightView, SunViews},
 };
 
@@ -32,8 +33,9 @@ pub struct ExtractPlugin;
 
 impl Plugin for ExtractPlugin {
     fn build(&self, app: &mut App) {
+        let times = SystemTimes::of(app);
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            render_app.add_systems(ExtractSchedule, extract_suns);
+            render_app.add_systems(ExtractSchedule, times.clock("extract_suns", extract_suns));
         }
     }
 }

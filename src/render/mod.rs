@@ -16,7 +16,8 @@
 //!
 //! Suns on the drop-in path only get their casters biased ([`drop_in`]).
 //!
-//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`drop_in`] and [`mask`].
+//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`cost`], [`drop_in`], [`mask`] and
+//! [`spans`].
 
 pub mod apply;
 pub mod atlas;
@@ -25,6 +26,7 @@ pub mod camera;
 pub mod capabilities;
 pub mod capture;
 pub mod caster;
+pub mod cost;
 pub mod drop_in;
 pub mod extract;
 pub mod gpu_types;
@@ -32,6 +34,7 @@ pub mod mask;
 #[cfg(feature = "demo")]
 pub mod reference;
 mod shaders;
+pub mod spans;
 
 use bevy::{
     app::PluginGroupBuilder,
@@ -40,6 +43,8 @@ use bevy::{
     prelude::*,
     render::{Render, RenderApp, RenderSystems},
 };
+
+use crate::shadow::timing::SystemTimes;
 
 /// Sharp sun shadows: add this group after Bevy's default plugins.
 ///
@@ -83,6 +88,7 @@ impl Plugin for RenderPlugin {
             apply::ApplyPlugin,
             drop_in::DropInPlugin,
         ));
+        let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
@@ -90,7 +96,8 @@ impl Plugin for RenderPlugin {
         render_app
             .add_systems(
                 Render,
-                atlas::prepare_atlas
+                times
+                    .clock("prepare_atlas", atlas::prepare_atlas)
                     .in_set(RenderSystems::PrepareViews)
                     .before(caster::prepare::prepare_caster_views),
             )

@@ -22,6 +22,7 @@ pub mod settings;
 mod stock;
 mod systems;
 pub mod technique;
+pub mod timing;
 pub mod view_volume;
 pub mod views;
 
@@ -44,6 +45,7 @@ pub enum ShadowSystems {
 
 impl Plugin for ShadowPlugin {
     fn build(&self, app: &mut App) {
+        let times = timing::SystemTimes::of(app);
         app.register_required_components::<settings::SunShadows, views::SunViews>()
             .init_resource::<scene_bounds::SceneBounds>()
             .init_resource::<scene_bounds::MeshBounds>()
@@ -65,12 +67,14 @@ impl Plugin for ShadowPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    scene_bounds::update_scene_bounds.in_set(ShadowSystems::UpdateSceneBounds),
+                    times
+                        .clock("update_scene_bounds", scene_bounds::update_scene_bounds)
+                        .in_set(ShadowSystems::UpdateSceneBounds),
                     (
                         stock::remember_stock_settings,
                         stock::set_shadow_map_size,
-                        systems::update_sun_views,
-                        systems::write_cascades,
+                        times.clock("update_sun_views", systems::update_sun_views),
+                        times.clock("write_cascades", systems::write_cascades),
                     )
                         .chain()
                         .in_set(ShadowSystems::UpdateLightViews),

@@ -16,6 +16,11 @@ fn wrong_arguments_exit_with_two_and_say_what_there_is() {
         ("shoot a.glb --passes beauty,glow", &["glow", "mask"]),
         ("shoot a.glb --shard 3/2", &["3/2", "I/N"]),
         ("shoot what?", &["what?", "level name"]),
+        ("bench", &["SCENE"]),
+        ("bench forest --frames 0", &["0", "1..=100000"]),
+        ("bench forest --frames some", &["some"]),
+        ("bench forest --against stock", &["stock", "bevy", "lispsm"]),
+        ("bench forest --size 1x9000", &["1x9000", "8192"]),
         ("play --preset best", &["best", "ultra"]),
         ("list", &["techniques"]),
     ] {

@@ -1,6 +1,7 @@
 //! The command line as its users meet it: exit codes, sentences, files.
 
 mod arguments;
+mod bench;
 mod failures;
 mod glb;
 mod judge;

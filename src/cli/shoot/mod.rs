@@ -1,7 +1,7 @@
 //! `umbrage shoot`: pictures of scenes without a window.
 
 pub(super) mod stage;
-mod stats;
+pub(super) mod stats;
 
 use std::{
     collections::{BTreeMap, HashSet},
@@ -27,7 +27,7 @@ use crate::{
     level::{
         LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root, scene::SceneSource, shot::Shot,
     },
-    render::{UmbragePlugins, mask::MaskPlugin},
+    render::{UmbragePlugins, mask::MaskPlugin, spans::ShadowPassSpan},
 };
 use stage::Stage;
 use stats::{FrameTimes, Stats, Take};
@@ -83,6 +83,7 @@ pub(super) fn open<'a>(
         UmbragePlugins,
         MaskPlugin,
         RenderDiagnosticsPlugin,
+        ShadowPassSpan,
     ));
     headless::finish(&mut app);
     Ok(Session {
@@ -99,7 +100,7 @@ pub(super) fn open<'a>(
 }
 
 /// A bar on a terminal, nothing anywhere else.
-fn progress_bar() -> ProgressBar {
+pub(super) fn progress_bar() -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -108,6 +109,30 @@ fn progress_bar() -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+/// Loads a scene in place of the one before; its sun.
+pub(super) fn load(app: &mut App, source: &SceneSource, bar: &ProgressBar) -> Result<Entity, Failure> {
+    let world = app.world_mut();
+    world.insert_resource(SceneStatus::Idle);
+    world.insert_resource(RequestedScene(Some(source.clone())));
+    loop {
+        app.update();
+        match app.world().resource::<SceneStatus>() {
+            SceneStatus::Ready => break,
+            SceneStatus::Failed(problem) => return Err(Failure::Failed(problem.clone())),
+            SceneStatus::Loading { done, total, what } => {
+                bar.set_message(format!("{source}: {what} {done}/{total}"));
+            }
+            SceneStatus::Idle => {}
+        }
+        // Files are read by other threads.
+        thread::sleep(Duration::from_millis(1));
+    }
+    let world = app.world_mut();
+    let mut suns = world.query_filtered::<Entity, With<Sun>>();
+    let sun = suns.iter(world).next();
+    sun.ok_or_else(|| Failure::Failed(format!("{} has no sun", source.name())))
 }
 
 /// A running `shoot`.
@@ -139,38 +164,9 @@ impl Session<'_> {
 
     /// Loads a scene; its shots to take with their places among all shots, and its sun.
     pub(super) fn enter(&mut self, source: &SceneSource) -> Result<(Vec<(usize, Shot)>, Entity), Failure> {
-        self.load(source)?;
-        let scene = source.name();
-        let shots = self.shots_of(&scene)?;
-        let sun = {
-            let world = self.app.world_mut();
-            let mut suns = world.query_filtered::<Entity, With<Sun>>();
-            suns.iter(world).next()
-        };
-        match sun {
-            Some(sun) => Ok((shots, sun)),
-            None => Err(Failure::Failed(format!("{scene} has no sun"))),
-        }
-    }
-
-    /// Loads a scene in place of the one before.
-    fn load(&mut self, source: &SceneSource) -> Result<(), Failure> {
-        let world = self.app.world_mut();
-        world.insert_resource(SceneStatus::Idle);
-        world.insert_resource(RequestedScene(Some(source.clone())));
-        loop {
-            self.app.update();
-            match self.app.world().resource::<SceneStatus>() {
-                SceneStatus::Ready => return Ok(()),
-                SceneStatus::Failed(problem) => return Err(Failure::Failed(problem.clone())),
-                SceneStatus::Loading { done, total, what } => {
-                    self.bar.set_message(format!("{source}: {what} {done}/{total}"));
-                }
-                SceneStatus::Idle => {}
-            }
-            // Files are read by other threads.
-            thread::sleep(Duration::from_millis(1));
-        }
+        let sun = load(&mut self.app, source, &self.bar)?;
+        let shots = self.shots_of(&source.name())?;
+        Ok((shots, sun))
     }
 
     /// The shots to take of the scene just loaded, checked and in the size asked for, with their places among all shots.

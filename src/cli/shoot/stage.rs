@@ -201,7 +201,7 @@ impl Stage {
     }
 
     /// The camera's entity.
-    pub(super) fn camera(&self) -> Entity {
+    pub(in crate::cli) fn camera(&self) -> Entity {
         self.camera
     }
 

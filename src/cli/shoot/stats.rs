@@ -11,6 +11,7 @@ use bevy::{
     render::{RenderApp, renderer::RenderAdapterInfo, sync_world::RenderEntity},
 };
 use serde::Serialize;
+use wgpu::DeviceType;
 
 use crate::{
     level::shot::Shot,
@@ -20,65 +21,82 @@ use crate::{
 
 /// The file.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Stats {
+pub(in crate::cli) struct Stats {
     /// Version of Umbrage.
     umbrage: &'static str,
     /// What drew.
     adapter: Adapter,
     /// One per scene, shot and technique.
-    pub(super) takes: Vec<Take>,
+    pub(in crate::cli) takes: Vec<Take>,
 }
 
 /// The graphics adapter.
 #[derive(Clone, Debug, Default, Serialize)]
-struct Adapter {
-    name: String,
-    backend: String,
+pub(in crate::cli) struct Adapter {
+    pub(in crate::cli) name: String,
+    pub(in crate::cli) backend: String,
     driver: String,
     driver_info: String,
     device_type: String,
+    /// The CPU draws: times say nothing about GPUs.
+    pub(in crate::cli) is_software: bool,
+}
+
+impl Adapter {
+    /// That of an app.
+    pub(in crate::cli) fn of(app: &App) -> Self {
+        let info = app.world().get_resource::<RenderAdapterInfo>();
+        info.map_or_else(Self::default, |info| Self {
+            name: info.name.clone(),
+            backend: info.backend.to_string(),
+            driver: info.driver.clone(),
+            driver_info: info.driver_info.clone(),
+            device_type: format!("{:?}", info.device_type),
+            is_software: info.device_type == DeviceType::Cpu,
+        })
+    }
 }
 
 /// One scene, shot and technique.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Take {
+pub(in crate::cli) struct Take {
     /// The scene's name.
-    pub(super) scene: String,
+    pub(in crate::cli) scene: String,
     /// The shot that was taken.
-    pub(super) shot: Shot,
+    pub(in crate::cli) shot: Shot,
     /// As it was given.
-    pub(super) technique: String,
+    pub(in crate::cli) technique: String,
     /// The shortest text that means the same.
-    pub(super) canonical_technique: String,
+    pub(in crate::cli) canonical_technique: String,
     /// Every setting of the technique; null for stock cascades.
-    pub(super) settings: serde_json::Value,
+    pub(in crate::cli) settings: serde_json::Value,
     /// Pass to file name.
-    pub(super) files: BTreeMap<&'static str, String>,
+    pub(in crate::cli) files: BTreeMap<&'static str, String>,
     /// Whether the picture stood still, bit for bit.
-    pub(super) is_still: bool,
+    pub(in crate::cli) is_still: bool,
     /// Whole frames in milliseconds, both worlds and the GPU, from the warm-up on; with the passes that were asked for.
-    pub(super) frame_ms: FrameTimes,
+    pub(in crate::cli) frame_ms: FrameTimes,
     /// Pass to milliseconds: medians over the same frames, on the GPU where it has timestamps and on the CPU that records
     /// them.
-    pub(super) pass_ms: BTreeMap<String, PassTimes>,
+    pub(in crate::cli) pass_ms: BTreeMap<String, PassTimes>,
     /// Entities that cast shadows.
-    pub(super) casters: usize,
+    pub(in crate::cli) casters: usize,
     /// Shadow maps.
-    pub(super) maps: Maps,
+    pub(in crate::cli) maps: Maps,
     /// Light views, near to far.
-    pub(super) light_views: Vec<View>,
+    pub(in crate::cli) light_views: Vec<View>,
 }
 
 /// Times of whole frames.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(super) struct FrameTimes {
+pub(in crate::cli) struct FrameTimes {
     median: f64,
     all: Vec<f64>,
 }
 
 impl FrameTimes {
     /// From seconds.
-    pub(super) fn new(seconds: &[f64]) -> Self {
+    pub(in crate::cli) fn new(seconds: &[f64]) -> Self {
         let all: Vec<f64> = seconds.iter().map(|seconds| seconds * 1e3).collect();
         Self {
             median: median(all.clone()),
@@ -95,46 +113,66 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Times of one pass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(super) struct PassTimes {
+pub(in crate::cli) struct PassTimes {
     #[serde(skip_serializing_if = "Option::is_none")]
-    gpu: Option<f64>,
+    pub(in crate::cli) gpu: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    cpu: Option<f64>,
+    pub(in crate::cli) cpu: Option<f64>,
 }
 
 /// Forgets the times of passes so far.
-pub(super) fn forget_pass_times(app: &mut App) {
+pub(in crate::cli) fn forget_pass_times(app: &mut App) {
     if let Some(mut store) = app.world_mut().get_resource_mut::<DiagnosticsStore>() {
         store.iter_mut().for_each(Diagnostic::clear_history);
     }
 }
 
 /// The times of passes since they were last forgotten.
-pub(super) fn pass_times(app: &App) -> BTreeMap<String, PassTimes> {
+pub(in crate::cli) fn pass_times(app: &App) -> BTreeMap<String, PassTimes> {
     let mut passes: BTreeMap<String, PassTimes> = BTreeMap::new();
-    let store = app.world().get_resource::<DiagnosticsStore>();
-    for diagnostic in store.into_iter().flat_map(DiagnosticsStore::iter) {
-        let components: Vec<&str> = diagnostic.path().components().collect();
-        let ["render", names @ .., of] = components.as_slice() else {
-            continue;
-        };
-        if diagnostic.history_len() == 0 || !matches!(*of, "elapsed_gpu" | "elapsed_cpu") {
-            continue;
-        }
-        let times = passes.entry(names.join("/")).or_default();
-        let median = Some(median(diagnostic.values().copied().collect()));
-        if *of == "elapsed_gpu" {
-            times.gpu = median;
-        } else {
-            times.cpu = median;
+    for (name, processor, values) in pass_samples(app) {
+        let times = passes.entry(name).or_default();
+        let median = Some(median(values));
+        match processor {
+            Processor::Gpu => times.gpu = median,
+            Processor::Cpu => times.cpu = median,
         }
     }
     passes
 }
 
+/// What a time was taken on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::cli) enum Processor {
+    /// The GPU that draws a pass.
+    Gpu,
+    /// The CPU that records it.
+    Cpu,
+}
+
+/// Every pass's times in milliseconds since they were last forgotten.
+pub(in crate::cli) fn pass_samples(app: &App) -> Vec<(String, Processor, Vec<f64>)> {
+    let store = app.world().get_resource::<DiagnosticsStore>();
+    let sample = |diagnostic: &Diagnostic| {
+        let components: Vec<&str> = diagnostic.path().components().collect();
+        let ["render", names @ .., of] = components.as_slice() else {
+            return None;
+        };
+        let processor = match *of {
+            "elapsed_gpu" => Processor::Gpu,
+            "elapsed_cpu" => Processor::Cpu,
+            _ => return None,
+        };
+        let values: Vec<f64> = diagnostic.values().copied().collect();
+        (!values.is_empty()).then(|| (names.join("/"), processor, values))
+    };
+    let diagnostics = store.into_iter().flat_map(DiagnosticsStore::iter);
+    diagnostics.filter_map(sample).collect()
+}
+
 /// Memory of shadow maps: 32-bit depth.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub(super) struct Maps {
+pub(in crate::cli) struct Maps {
     /// Maps of the technique.
     count: u32,
     /// Texels per side of each.
@@ -142,7 +180,7 @@ pub(super) struct Maps {
     /// Texels per side of the fallback map; 0: none.
     fallback_size: u32,
     /// Texels of all of them: what a frame clears and draws into.
-    texels: u64,
+    pub(in crate::cli) texels: u64,
     /// Bytes of all of them.
     bytes: u64,
 }
@@ -168,7 +206,7 @@ impl Maps {
 
 /// One light view.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct View {
+pub(in crate::cli) struct View {
     /// View depths in metres.
     near_depth: f32,
     far_depth: f32,
@@ -177,31 +215,24 @@ pub(super) struct View {
     /// Taken from the depth of casters on the drop-in path, in units of the depth range.
     caster_depth_bias: f32,
     /// Casters that were drawn into it.
-    casters_drawn: usize,
+    pub(in crate::cli) casters_drawn: usize,
     /// Column by column.
     clip_from_world: [f32; 16],
 }
 
 impl Stats {
     /// Without takes.
-    pub(super) fn new(app: &App) -> Self {
-        let info = app.world().get_resource::<RenderAdapterInfo>();
+    pub(in crate::cli) fn new(app: &App) -> Self {
         Self {
             umbrage: env!("CARGO_PKG_VERSION"),
-            adapter: info.map_or_else(Adapter::default, |info| Adapter {
-                name: info.name.clone(),
-                backend: info.backend.to_string(),
-                driver: info.driver.clone(),
-                driver_info: info.driver_info.clone(),
-                device_type: format!("{:?}", info.device_type),
-            }),
+            adapter: Adapter::of(app),
             takes: Vec::new(),
         }
     }
 }
 
 /// Every field of the settings, by its name in the code.
-pub(super) fn settings_of(app: &App, technique: &Technique) -> serde_json::Value {
+pub(in crate::cli) fn settings_of(app: &App, technique: &Technique) -> serde_json::Value {
     let Technique::Umbrage(settings) = technique else {
         return serde_json::Value::Null;
     };
@@ -210,7 +241,7 @@ pub(super) fn settings_of(app: &App, technique: &Technique) -> serde_json::Value
 }
 
 /// Entities with a mesh that casts shadows.
-pub(super) fn count_casters(app: &mut App) -> usize {
+pub(in crate::cli) fn count_casters(app: &mut App) -> usize {
     let world = app.world_mut();
     world
         .query_filtered::<(), (With<Mesh3d>, Without<NotShadowCaster>)>()
@@ -219,7 +250,7 @@ pub(super) fn count_casters(app: &mut App) -> usize {
 }
 
 /// The maps of a technique.
-pub(super) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
+pub(in crate::cli) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
     let bevy_size = app
         .world()
         .get_resource::<DirectionalLightShadowMap>()
@@ -247,25 +278,33 @@ fn casters_drawn(app: &App, sun: Entity, camera: Entity, technique: &Technique) 
     let world = app.world();
     match technique {
         Technique::Umbrage(settings) if settings.path == ShadowPath::Full => {
-            let (Some(render_app), Some(camera)) = (app.get_sub_app(RenderApp), world.get::<RenderEntity>(camera))
-            else {
+            let (Some(render_app), Some(camera)) = (app.get_sub_app(RenderApp), render_entity(app, camera)) else {
                 return Vec::new();
             };
-            drawn::casters_drawn(render_app.world(), camera.id())
+            drawn::casters_drawn(render_app.world(), camera)
                 .map(|counts| counts.into_iter().map(|count| count as usize).collect())
                 .unwrap_or_default()
         }
-        // Bevy draws what it finds visible in a cascade.
-        _ => world
-            .get::<CascadesVisibleEntities>(sun)
-            .and_then(|visible| visible.entities.get(&camera))
-            .map(|cascades| cascades.iter().map(|cascade| cascade.entities.len()).collect())
-            .unwrap_or_default(),
+        _ => bevy_casters(world, sun, camera),
     }
 }
 
+/// Casters that Bevy drew into each cascade for a camera: those that it finds visible in it.
+pub(in crate::cli) fn bevy_casters(world: &World, sun: Entity, camera: Entity) -> Vec<usize> {
+    world
+        .get::<CascadesVisibleEntities>(sun)
+        .and_then(|visible| visible.entities.get(&camera))
+        .map(|cascades| cascades.iter().map(|cascade| cascade.entities.len()).collect())
+        .unwrap_or_default()
+}
+
+/// An entity's twin in the render world.
+pub(in crate::cli) fn render_entity(app: &App, entity: Entity) -> Option<Entity> {
+    app.world().get::<RenderEntity>(entity).map(RenderEntity::id)
+}
+
 /// The light views of a camera in the frame just drawn.
-pub(super) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Technique) -> Vec<View> {
+pub(in crate::cli) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Technique) -> Vec<View> {
     let world = app.world();
     let mut views = matrices_of(world, sun, camera, technique);
     for (view, count) in views.iter_mut().zip(casters_drawn(app, sun, camera, technique)) {

@@ -26,20 +26,27 @@ use super::{
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
     shaders,
 };
-use crate::shadow::settings::{PartitionSelection, ShadowBias, ShadowFilter};
+use crate::shadow::{
+    settings::{PartitionSelection, ShadowBias, ShadowFilter},
+    timing::SystemTimes,
+};
 
 /// The apply pass.
 pub struct ApplyPlugin;
 
 impl Plugin for ApplyPlugin {
     fn build(&self, app: &mut App) {
+        let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         render_app
             .add_systems(RenderStartup, init_apply_pipeline)
             .add_systems(Render, prepare_parameters.in_set(RenderSystems::PrepareResources))
-            .add_systems(Core3d, apply_views.in_set(SunShadowPasses::Apply));
+            .add_systems(
+                Core3d,
+                times.clock("apply_views", apply_views).in_set(SunShadowPasses::Apply),
+            );
     }
 }
 

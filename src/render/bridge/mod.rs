@@ -16,6 +16,7 @@ use bevy::{
 };
 
 use super::SunShadowPasses;
+use crate::shadow::timing::SystemTimes;
 
 /// The bridge.
 pub struct BridgePlugin;
@@ -26,11 +27,17 @@ impl Plugin for BridgePlugin {
             PreUpdate,
             patch::patch_shadow_module.after(bevy::asset::AssetTrackingSystems),
         );
+        let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         render_app
             .add_systems(RenderStartup, layer::init_layer_pipeline)
-            .add_systems(Core3d, layer::write_layer.in_set(SunShadowPasses::Bridge));
+            .add_systems(
+                Core3d,
+                times
+                    .clock("write_layer", layer::write_layer)
+                    .in_set(SunShadowPasses::Bridge),
+            );
     }
 }

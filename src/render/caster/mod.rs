@@ -29,6 +29,7 @@ use bevy::{
 };
 
 use super::SunShadowPasses;
+use crate::shadow::timing::SystemTimes;
 use phase::{Caster, DrawCaster, DrawCasterDepthOnly};
 
 /// Whether casters are culled per light view on the GPU. Off: every caster is drawn into every light view; for tests,
@@ -67,6 +68,7 @@ impl Plugin for CasterPlugin {
         app.add_plugins(BinnedRenderPhasePlugin::<Caster, MeshPipeline>::new(
             RenderDebugFlags::default(),
         ));
+        let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
@@ -79,21 +81,30 @@ impl Plugin for CasterPlugin {
             .add_render_command::<Caster, DrawCaster>()
             .add_render_command::<Caster, DrawCasterDepthOnly>()
             .add_systems(RenderStartup, pass::init_cull_pipeline)
-            .add_systems(ExtractSchedule, bounds::extract_mesh_bounds)
+            .add_systems(
+                ExtractSchedule,
+                times.clock("extract_mesh_bounds", bounds::extract_mesh_bounds),
+            )
             .add_systems(
                 Render,
                 (
-                    prepare::prepare_caster_views.in_set(RenderSystems::PrepareViews),
-                    queue::queue_casters.in_set(RenderSystems::QueueMeshes),
+                    times
+                        .clock("prepare_caster_views", prepare::prepare_caster_views)
+                        .in_set(RenderSystems::PrepareViews),
+                    times
+                        .clock("queue_casters", queue::queue_casters)
+                        .in_set(RenderSystems::QueueMeshes),
                 ),
             )
             .add_systems(
                 Core3d,
                 (
-                    (ApplyDeferred, plan::plan_casters)
+                    (ApplyDeferred, times.clock("plan_casters", plan::plan_casters))
                         .chain()
                         .in_set(SunShadowPasses::Plan),
-                    pass::draw_casters.in_set(SunShadowPasses::DrawCasters),
+                    times
+                        .clock("draw_casters", pass::draw_casters)
+                        .in_set(SunShadowPasses::DrawCasters),
                 ),
             );
     }
