@@ -20,7 +20,7 @@ use bevy::{
     log::{Level, LogPlugin},
     prelude::*,
     render::{
-        RenderApp, RenderPlugin,
+        Render, RenderApp, RenderPlugin, RenderSystems,
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{CachedPipelineState, PipelineCache},
         renderer::{RenderAdapterInfo, RenderGraph, RenderGraphSystems},
@@ -84,17 +84,20 @@ pub fn app(root: &AssetRoot) -> Result<App, NoAdapter> {
     }
     app.insert_resource(TimeUpdateStrategy::ManualDuration(TIME_STEP));
     if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-        render_app.init_resource::<Submission>().add_systems(
-            RenderGraph,
-            (
+        render_app
+            .init_resource::<Submission>()
+            .add_systems(
+                RenderGraph,
                 begin_submission
                     .after(RenderGraphSystems::Render)
                     .before(RenderGraphSystems::Submit),
+            )
+            .add_systems(
+                Render,
                 end_submission
-                    .after(RenderGraphSystems::Submit)
-                    .before(RenderGraphSystems::Finish),
-            ),
-        );
+                    .after(RenderSystems::Render)
+                    .before(RenderSystems::Cleanup),
+            );
     }
     Ok(app)
 }
@@ -122,7 +125,7 @@ pub struct FrameTime {
     pub extract: Duration,
     /// The render world's schedules without the submission: preparing, queueing, recording commands.
     pub render_world: Duration,
-    /// Handing the commands to the driver. Some software drivers draw here.
+    /// Handing the commands to the driver, those of read-backs included. Some software drivers draw here.
     pub submit: Duration,
     /// Waiting for the GPU to finish what was submitted.
     pub gpu_wait: Duration,

@@ -93,6 +93,7 @@ fn the_mask_explains_the_beauty() {
     assert_eq!(take["light_views"].as_array().map(Vec::len), Some(4));
     assert_eq!(take["light_views"][3]["far_depth"].as_f64().map(f64::round), Some(60.0));
     assert_eq!(take["is_still"], Value::Bool(true));
+    assert!(take["pass_ms"]["bevy_shadow_pass"]["cpu"].is_number(), "{take}");
     assert!(stats["adapter"]["name"].as_str().is_some_and(|name| !name.is_empty()));
     assert!(take["frame_ms"]["median"].as_f64().is_some_and(|time| time > 0.0));
 }

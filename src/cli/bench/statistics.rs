@@ -125,6 +125,22 @@ mod tests {
     }
 
     #[test]
+    fn intervals_are_those_of_the_binomial_distribution() {
+        // Times of 1 to n against 1: a resample's median is at most k with the probability that more than half of n
+        // draws are at most k, a binomial sum. For n = 5, k = 1 that is 0.058; for n = 21 it is 0.018 at k = 6 and 0.056
+        // at k = 7. The upper ends mirror the lower ones.
+        let found = |count: u32| {
+            let times: Vec<f64> = (1..=count).map(f64::from).collect();
+            ratio(&times, &vec![1.0; times.len()]).expect("there are frames")
+        };
+        assert_eq!((found(5).low, found(5).high), (1.0, 5.0));
+        let of_21 = found(21);
+        assert_eq!(of_21.of_medians, 11.0);
+        assert!((6.0..=7.0).contains(&of_21.low), "{of_21:?}");
+        assert!((15.0..=16.0).contains(&of_21.high), "{of_21:?}");
+    }
+
+    #[test]
     fn nothing_has_no_ratio() {
         assert_eq!(ratio(&[], &[]), None);
         assert_eq!(ratio(&[1.0], &[0.0]), None);

@@ -1,8 +1,13 @@
-//! bench.json, bench.csv and the table.
+//! What a run of `bench` found: medians of what was measured, as bench.json has them.
 
-use std::{collections::BTreeMap, fmt::Write as _, path::Path, time::Duration};
+mod output;
 
-use bevy::{prelude::*, render::RenderApp, render::renderer::RenderDevice, render::settings::WgpuFeatures};
+use std::{collections::BTreeMap, time::Duration};
+
+use bevy::{
+    prelude::*,
+    render::{RenderApp, renderer::RenderDevice, settings::WgpuFeatures},
+};
 use serde::Serialize;
 
 use super::{
@@ -12,9 +17,7 @@ use super::{
 };
 use crate::{
     cli::{
-        Failure,
         args::NamedTechnique,
-        pictures,
         shoot::stats::{Adapter, Maps, PassTimes, Processor},
     },
     render::spans::BEVY_SHADOW_PASS,
@@ -287,11 +290,11 @@ pub(super) fn is_of_shadows(pass: &str) -> bool {
     pass == BEVY_SHADOW_PASS || pass.starts_with(OWN_PASSES)
 }
 
+/// The sum over all shadow passes; `None` where the time of one is not known.
 fn shadow_gpu_ms(passes: &BTreeMap<String, PassTimes>) -> Option<f64> {
     let of_shadows = passes.iter().filter(|(pass, _)| is_of_shadows(pass));
-    of_shadows
-        .filter_map(|(_, times)| times.gpu)
-        .reduce(|sum, time| sum + time)
+    let times: Option<Vec<f64>> = of_shadows.map(|(_, times)| times.gpu).collect();
+    times.filter(|times| !times.is_empty()).map(|times| times.iter().sum())
 }
 
 impl Report {
@@ -300,7 +303,9 @@ impl Report {
         let device = app
             .get_sub_app(RenderApp)
             .and_then(|render_app| render_app.world().get_resource::<RenderDevice>());
-        let needed = WgpuFeatures::TIMESTAMP_QUERY | WgpuFeatures::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let needed = WgpuFeatures::TIMESTAMP_QUERY
+            | WgpuFeatures::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | WgpuFeatures::TIMESTAMP_QUERY_INSIDE_PASSES;
         let (width, height) = route.shots.first().map_or((0, 0), |shot| (shot.width, shot.height));
         Self {
             umbrage: env!("CARGO_PKG_VERSION"),
@@ -336,99 +341,9 @@ impl Report {
         }
     }
 
-    /// Writes bench.json and bench.csv.
-    pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(self).map_err(Failure::failed)?;
-        pictures::write_whole(&out.join("bench.json"), json.as_bytes()).map_err(Failure::failed)?;
-        pictures::write_whole(&out.join("bench.csv"), self.csv().as_bytes()).map_err(Failure::failed)
-    }
-
-    /// One line per technique and frame.
-    fn csv(&self) -> String {
-        let mut text = String::from(
-            "technique,frame,path_s,frame_ms,main_world_ms,extract_ms,render_world_ms,submit_ms,gpu_wait_ms,casters_drawn\n",
-        );
-        for report in &self.techniques {
-            for row in &report.all {
-                // Techniques contain commas, but no quotation marks.
-                let _ = writeln!(
-                    text,
-                    "\"{}\",{},{:.3},{:.4},{:.4},{:.4},{:.4},{:.4},{:.4},{}",
-                    report.technique,
-                    row.frame,
-                    row.path_s,
-                    row.ms,
-                    row.main_world_ms,
-                    row.extract_ms,
-                    row.render_world_ms,
-                    row.submit_ms,
-                    row.gpu_wait_ms,
-                    row.casters_drawn
-                );
-            }
-        }
-        text
-    }
-
     /// What was measured, for headings.
     pub(super) fn title(&self) -> String {
         format!("{}, path {}, {}x{}", self.scene, self.path, self.width, self.height)
-    }
-
-    /// For a terminal.
-    pub(super) fn table(&self) -> String {
-        let mut text = format!("{} ({})", self.adapter.name, self.adapter.backend);
-        if self.adapter.is_software {
-            text.push_str(", software: the CPU draws, times say nothing about GPUs");
-        }
-        let _ = write!(
-            text,
-            "\n{}: medians of {} frames; CPU without submission; shadows: GPU time of their passes, ms",
-            self.title(),
-            self.frames
-        );
-        if !self.has_gpu_times {
-            text.push_str("; the adapter has no timestamps, so that no time of the GPU is known");
-        }
-        let _ = write!(
-            text,
-            "\n{:<30} {:>8} {:>8} {:>7} {:>8} {:>10} {:>7} {:>7} {:>6} {:>6}",
-            "technique", "frame ms", "1 % low", "CPU ms", "shadows", "Mtexels", "casters", "draws", "MiB", "fps"
-        );
-        if let Some(against) = &self.against {
-            let _ = write!(text, "  frame ÷ {against} (95 %)   shadows ÷ {against}");
-        }
-        for report in &self.techniques {
-            let _ = write!(text, "\n{}", report.table_line());
-        }
-        text
-    }
-}
-
-impl TechniqueReport {
-    fn table_line(&self) -> String {
-        let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
-        let mut line = format!(
-            "{:<30} {:>8.2} {:>8.2} {:>7.2} {:>8} {:>10.1} {:>7.0} {:>7.0} {:>6.0} {:>6.1}",
-            self.technique,
-            self.frame_ms.median,
-            self.frame_ms.low_1_percent,
-            self.cpu_ms,
-            or_dash(self.shadow_gpu_ms.map(|ms| format!("{ms:.2}"))),
-            self.maps.texels as f64 / 1e6,
-            self.casters_drawn.all,
-            self.draw_calls.all,
-            self.memory.all as f64 / f64::from(1 << 20),
-            self.frames_per_second.median,
-        );
-        if let Some(ratio) = &self.ratio {
-            let frame = ratio
-                .frame
-                .map(|frame| format!("{:.2} ({:.2} to {:.2})", frame.of_medians, frame.low, frame.high));
-            let shadows = ratio.shadow_gpu.map(|shadows| format!("{shadows:.2}"));
-            let _ = write!(line, "  {:>21} {:>12}", or_dash(frame), or_dash(shadows));
-        }
-        line
     }
 }
 
@@ -465,14 +380,14 @@ mod tests {
         }
     }
 
-    fn report(technique: &str, times_ms: &[u64]) -> TechniqueReport {
+    pub(super) fn report(technique: &str, times_ms: &[u64]) -> TechniqueReport {
         let mut report = TechniqueReport::new(&technique.parse().expect("a technique"));
         let seconds: Vec<f32> = (0..times_ms.len()).map(|frame| frame as f32 * 0.5).collect();
         report.fill(&samples(times_ms), &seconds);
         report
     }
 
-    fn whole(techniques: Vec<TechniqueReport>) -> Report {
+    pub(super) fn whole(techniques: Vec<TechniqueReport>) -> Report {
         Report {
             umbrage: "0",
             adapter: Adapter::default(),
@@ -519,6 +434,9 @@ mod tests {
         );
         assert_eq!(report.pass_ms["umbrage_draw_casters"].cpu, Some(50.0));
         assert_eq!(shadow_gpu_ms(&BTreeMap::new()), None);
+        let mut passes = report.pass_ms;
+        passes.entry("umbrage_cull_casters".to_owned()).or_default().cpu = Some(0.1);
+        assert_eq!(shadow_gpu_ms(&passes), None, "one pass without a time");
     }
 
     #[test]
@@ -532,34 +450,5 @@ mod tests {
             .map(|ratio| ratio.of_medians)
             .collect();
         assert_eq!(ratios, [2.0, 1.0]);
-        assert!(whole.table().contains("÷ bevy"), "{}", whole.table());
-        assert_eq!(whole.table().lines().count(), 5);
-    }
-
-    #[test]
-    fn the_table_says_what_is_missing() {
-        let mut whole = whole(vec![report("lispsm", &[4])]);
-        whole.adapter.is_software = true;
-        whole.has_gpu_times = false;
-        whole.techniques[0].shadow_gpu_ms = None;
-        let table = whole.table();
-        for part in ["software", "no timestamps", " - "] {
-            assert!(table.contains(part), "{table} lacks {part:?}");
-        }
-    }
-
-    #[test]
-    fn every_technique_and_frame_has_a_line() {
-        let whole = whole(vec![
-            report("zp4:size=512,filter=hard", &[4, 6]),
-            report("bevy", &[3, 4]),
-        ]);
-        let csv = whole.csv();
-        let lines: Vec<&str> = csv.lines().collect();
-        assert_eq!(lines.len(), 5);
-        assert_eq!(
-            lines[2],
-            "\"zp4:size=512,filter=hard\",1,0.500,6.0000,1.0000,0.0000,0.0000,2.0000,3.0000,12"
-        );
     }
 }
