@@ -29,13 +29,16 @@ struct ApplyParameters {
     bias_kind: u32,
     // Metres for BIAS_CONSTANT, factor for BIAS_FOOTPRINT.
     bias_value: f32,
-    padding_a: f32,
+    // 0..1, for the heat map.
+    opacity: f32,
     padding_b: f32,
     padding_c: f32,
 }
 
 const SELECTION_DEPTH: u32 = 0u;
 const SELECTION_BEST_RESOLUTION: u32 = 1u;
+// Bevy's: the first map that ends behind the pixel, whether it contains it or not.
+const SELECTION_CASCADES: u32 = 2u;
 const FILTER_HARD: u32 = 0u;
 const FILTER_PCF2: u32 = 1u;
 const BIAS_NONE: u32 = 0u;

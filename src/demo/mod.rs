@@ -14,6 +14,7 @@ use crate::{
 
 pub mod adapter;
 pub mod flight;
+mod heat_map;
 mod hud;
 pub mod input;
 mod judge;
@@ -106,6 +107,7 @@ impl Plugin for DemoPlugin {
                 outside::plugin,
                 photo::plugin,
                 judge::plugin,
+                heat_map::plugin,
                 hud::plugin,
             ));
     }

@@ -129,8 +129,8 @@ fn show_lines(
     mut store: ResMut<GizmoConfigStore>,
 ) {
     let (config, gizmos) = store.config_mut::<SunShadowGizmos>();
-    let only_outside = outside.0 && *overlay == Overlay::Off;
-    config.enabled = outside.0 || *overlay != Overlay::Off;
+    let only_outside = outside.0 && !overlay.has_lines();
+    config.enabled = outside.0 || overlay.has_lines();
     config.render_layers = RenderLayers::layer(if only_outside { LINES_LAYER } else { 0 });
     *gizmos = SunShadowGizmos {
         camera: players.single().ok(),

@@ -1,4 +1,5 @@
-//! Overlays: what the shadow systems computed, as lines in the scene; [`outside`](super::outside) draws them.
+//! Overlays: what the shadow systems computed, as lines in the scene ([`outside`](super::outside) draws them) or as a heat
+//! map ([`heat_map`](super::heat_map)).
 
 use bevy::prelude::*;
 
@@ -24,6 +25,8 @@ pub enum Overlay {
     LightViews,
     /// All three.
     All,
+    /// Texel ÷ pixel in color.
+    TexelRatio,
 }
 
 impl Overlay {
@@ -35,7 +38,8 @@ impl Overlay {
             Self::Bodies => Self::SplitFrusta,
             Self::SplitFrusta => Self::LightViews,
             Self::LightViews => Self::All,
-            Self::All => Self::Off,
+            Self::All => Self::TexelRatio,
+            Self::TexelRatio => Self::Off,
         }
     }
 
@@ -47,7 +51,18 @@ impl Overlay {
             Self::SplitFrusta => "split frusta",
             Self::LightViews => "light views",
             Self::All => "bodies, split frusta and light views",
+            Self::TexelRatio => "texel / pixel: dark blue 1/8, blue 1/4, cyan 1/2, green 1, yellow 2, orange 4, red 8",
         }
+    }
+
+    /// Whether lines show it.
+    pub fn has_lines(self) -> bool {
+        !matches!(self, Self::Off | Self::TexelRatio)
+    }
+
+    /// Whether colors show it.
+    pub fn is_heat_map(self) -> bool {
+        self == Self::TexelRatio
     }
 
     /// The lines that show it; a partition's are red, yellow, green, blue in turn.
@@ -85,15 +100,20 @@ mod tests {
         let mut seen = Vec::new();
         loop {
             let gizmos = overlay.gizmos();
-            let lines = (gizmos.bodies, gizmos.split_frusta, gizmos.light_views);
-            assert!(!seen.contains(&lines), "{overlay:?} shows nothing new");
+            let shown = (
+                gizmos.bodies,
+                gizmos.split_frusta,
+                gizmos.light_views,
+                overlay.is_heat_map(),
+            );
+            assert!(!seen.contains(&shown), "{overlay:?} shows nothing new");
             assert!(overlay.name().is_ascii(), "the font has ASCII only");
-            seen.push(lines);
+            seen.push(shown);
             overlay = overlay.next();
             if overlay == Overlay::Off {
                 break;
             }
         }
-        assert_eq!((seen.len(), seen[0]), (5, (false, false, false)));
+        assert_eq!((seen.len(), seen[0]), (6, (false, false, false, false)));
     }
 }

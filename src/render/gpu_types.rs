@@ -31,7 +31,7 @@ pub struct ApplyParameters {
     pub light_view_count: u32,
     /// View depth from which everything is lit, metres.
     pub shadow_distance: f32,
-    /// 0 by depth, 1 best resolution.
+    /// 0 by depth, 1 best resolution, 2 as Bevy's cascades.
     pub selection: u32,
     /// 0 hard, 1 bilinear.
     pub filter_kind: u32,
@@ -39,8 +39,8 @@ pub struct ApplyParameters {
     pub bias_kind: u32,
     /// Metres (constant) or factor (footprint).
     pub bias_value: f32,
-    /// Unused.
-    pub padding_a: f32,
+    /// 0..=1, for the heat map.
+    pub opacity: f32,
     /// Unused.
     pub padding_b: f32,
     /// Unused.

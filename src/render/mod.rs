@@ -30,6 +30,7 @@ pub mod cost;
 pub mod drop_in;
 pub mod extract;
 pub mod gpu_types;
+pub mod heat_map;
 pub mod mask;
 #[cfg(feature = "demo")]
 pub mod reference;
@@ -51,7 +52,7 @@ use crate::shadow::timing::SystemTimes;
 /// | member | what it does |
 /// |---|---|
 /// | [`ShadowPlugin`](crate::shadow::ShadowPlugin) | scene bounds, light views, the drop-in path, gizmos |
-/// | [`RenderPlugin`] | the full path: caster phase, atlas, apply pass, bridge into Bevy's lighting; the drop-in path's bias of casters |
+/// | [`RenderPlugin`] | the full path: caster phase, atlas, apply pass, bridge into Bevy's lighting; the drop-in path's bias of casters; heat maps |
 pub struct UmbragePlugins;
 
 impl PluginGroup for UmbragePlugins {
@@ -87,6 +88,7 @@ impl Plugin for RenderPlugin {
             caster::CasterPlugin,
             apply::ApplyPlugin,
             drop_in::DropInPlugin,
+            heat_map::HeatMapPlugin,
         ));
         let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

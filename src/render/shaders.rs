@@ -20,7 +20,13 @@ macro_rules! embed_shader {
 }
 
 /// Modules that others import: loaded once and kept for the life of the app.
-const LIBRARIES: [&str; 3] = ["types.wgsl", "spaces.wgsl", "bias.wgsl"];
+const LIBRARIES: [&str; 5] = [
+    "types.wgsl",
+    "spaces.wgsl",
+    "bias.wgsl",
+    "surface.wgsl",
+    "selection.wgsl",
+];
 
 /// The lookup that [`bridge`](super::bridge) appends to Bevy's shadow module.
 pub(crate) const FETCH_SHADOW: &str =
@@ -36,9 +42,12 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "types.wgsl");
     embed_shader!(registry, "spaces.wgsl");
     embed_shader!(registry, "bias.wgsl");
+    embed_shader!(registry, "surface.wgsl");
+    embed_shader!(registry, "selection.wgsl");
     embed_shader!(registry, "apply/apply_views.wgsl");
     embed_shader!(registry, "bridge/write_layer.wgsl");
     embed_shader!(registry, "caster/cull_casters.wgsl");
+    embed_shader!(registry, "heat_map/texel_ratio.wgsl");
     let server = app.world().resource::<AssetServer>();
     let handles = LIBRARIES.iter().map(|name| load(server, name)).collect();
     app.insert_resource(ShaderLibraries(handles));

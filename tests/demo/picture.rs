@@ -12,10 +12,11 @@ use bevy::{
 };
 use umbrage::{
     cli::headless,
-    demo::{DemoPlugin, player::Player, screens::Activity, technique::Chosen},
+    demo::{DemoPlugin, overlay::Overlay, player::Player, screens::Activity, technique::Chosen},
     level::{LevelPlugin, find::asset_root, scene::SceneSource},
     render::{
         UmbragePlugins, capture,
+        heat_map::TexelHeatMap,
         mask::{MaskPlugin, ShadowMask},
     },
     shadow::technique::{StockBias, Technique},
@@ -127,6 +128,17 @@ fn a_room_is_loaded_played_and_seen() {
     let stock = picture(&mut app, &target);
     let share = differing(&stock, &without);
     assert!(share < 0.2, "the techniques differ by more than their edges: {share}");
+
+    *app.world_mut().resource_mut::<Overlay>() = Overlay::TexelRatio;
+    let colored = picture(&mut app, &target);
+    assert_eq!(count::<TexelHeatMap>(&mut app), 1);
+    assert!(differing(&colored, &stock) > 0.2, "colors over the room");
+    *app.world_mut().resource_mut::<Overlay>() = Overlay::Off;
+    assert!(
+        differing(&picture(&mut app, &target), &stock) < 0.01,
+        "no colors are left"
+    );
+    assert_eq!(count::<TexelHeatMap>(&mut app), 0);
 
     app.world_mut().resource_mut::<Chosen>().0 = Technique::default();
     press(&mut app, KeyCode::KeyJ);

@@ -131,7 +131,7 @@ impl Room {
             .single(world)
             .expect("one sun");
         let shots = world.resource::<LoadedScene>().shots.clone();
-        let truth = truth_scene(world).expect("all meshes are in main memory");
+        let truth = truth_scene(world, None).expect("all meshes are in main memory");
         harness.add_mask(sun, SIZE);
         Self {
             name,

@@ -2,6 +2,7 @@
 
 mod guard;
 mod harness;
+mod heat_map;
 mod identity;
 mod lighting;
 mod lookup;

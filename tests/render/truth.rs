@@ -1,6 +1,11 @@
 //! The shadow result against analytic truth: a ground plane and boxes, ray-traced in double precision.
 
-use bevy::{light::DirectionalLightShadowMap, math::DVec3, prelude::*};
+use bevy::{
+    camera::visibility::{RenderLayers, VisibilityRange},
+    light::DirectionalLightShadowMap,
+    math::DVec3,
+    prelude::*,
+};
 use umbrage::{
     prelude::*,
     render::{capture, reference::extract::truth_scene},
@@ -135,7 +140,7 @@ fn traced_truth_is_analytic_truth() {
     let boxes = boxes();
     let mut harness = harness_with(&boxes);
     harness.start();
-    let scene = truth_scene(harness.app.world_mut()).expect("all meshes are in main memory");
+    let scene = truth_scene(harness.app.world_mut(), Some(harness.camera)).expect("all meshes are in main memory");
     assert_eq!(scene.len(), boxes.len() + 1);
     let origin = eye().translation.as_dvec3();
     for light in LIGHTS {
@@ -358,4 +363,30 @@ fn a_facade_of_fins_is_not_speckled() {
     println!("{speckled} of {lit} wholly lit pixels are darker than 0.9");
     assert!(lit > 1_500, "only {lit} pixels of the wall are lit");
     assert!(share < 0.02, "{share} of the lit wall is speckled");
+}
+
+/// Levels of detail: truth has the one that the camera draws, and nothing on layers that it does not see.
+#[test]
+fn truth_has_what_the_camera_draws() {
+    let mut harness = harness_with(&[]);
+    let material = harness.material(Color::WHITE);
+    let cuboid = harness.mesh(Cuboid::new(1.0, 1.0, 1.0));
+    let eye_distance = eye().translation.length();
+    for range in [0.0..eye_distance + 5.0, eye_distance + 5.0..1_000.0] {
+        harness.app.world_mut().spawn((
+            Mesh3d(cuboid.clone()),
+            MeshMaterial3d(material.clone()),
+            VisibilityRange::abrupt(range.start, range.end),
+        ));
+    }
+    harness.app.world_mut().spawn((
+        Mesh3d(cuboid.clone()),
+        MeshMaterial3d(material.clone()),
+        RenderLayers::layer(3),
+    ));
+    harness.start();
+    let camera = harness.camera;
+    let mut instances = |camera| truth_scene(harness.app.world_mut(), camera).map(|scene| scene.len());
+    assert_eq!(instances(Some(camera)), Ok(2), "the ground and the near level");
+    assert_eq!(instances(None), Ok(4));
 }

@@ -145,7 +145,7 @@ impl Judge {
             Some(truth) => truth,
             None => {
                 bar.set_message(format!("{scene} {}: truth", shot.name));
-                let truth = truth_scene(app.world_mut()).map_err(Failure::failed)?;
+                let truth = truth_scene(app.world_mut(), Some(judged.camera)).map_err(Failure::failed)?;
                 let progress = |rows: usize| bar.set_message(format!("{scene} {}: truth {rows}/{}", shot.name, size.y));
                 let with_floor = self.report.settings.floor;
                 let truth = ShotTruth::new(truth, shot, size, &depth.to_f32(), with_floor, progress);

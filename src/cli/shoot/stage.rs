@@ -36,8 +36,10 @@ const MAX_FRAMES: usize = 60;
 /// Frames that are drawn after everything is loaded before the picture can count as still: what changed in the main
 /// world is extracted, batched and drawn in successive frames.
 const WARM_UP: usize = 3;
-/// Frames that are timed at least.
-const TIMED: usize = 5;
+/// Frames that are timed at least, for pictures.
+pub(in crate::cli) const TIMED: usize = 5;
+/// The same where only what is in the picture counts.
+pub(in crate::cli) const NOT_TIMED: usize = 2;
 
 /// A camera with the images that it draws into.
 pub(in crate::cli) struct Stage {
@@ -152,8 +154,8 @@ impl Stage {
         }
     }
 
-    /// Draws frames until the images of the passes are the same twice in a row, bit for bit, and some frames are timed.
-    pub(in crate::cli) fn settle(&self, app: &mut App, passes: &[Pass]) -> Result<Settled, Failure> {
+    /// Draws frames until the images of the passes are the same twice in a row, bit for bit, and `timed` frames are timed.
+    pub(in crate::cli) fn settle(&self, app: &mut App, passes: &[Pass], timed: usize) -> Result<Settled, Failure> {
         let images: Vec<_> = passes.iter().filter_map(|pass| self.image(*pass)).collect();
         let mut seconds = Vec::new();
         let mut before = Vec::new();
@@ -182,7 +184,7 @@ impl Stage {
                 .map(|image| capture::read_image(app, image))
                 .collect::<Result<_, _>>()
                 .map_err(|error| Failure::Failed(format!("the picture cannot be read back: {error}")))?;
-            if texels == before && seconds.len() >= TIMED {
+            if texels == before && seconds.len() >= timed {
                 return Ok(Settled {
                     texels,
                     seconds,

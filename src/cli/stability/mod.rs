@@ -5,7 +5,8 @@
 //! serves all of them.
 //!
 //! # Limits
-//! The scene itself must stand still: what moves by itself would be compared with where it was at the beginning.
+//! The scene itself must stand still: what moves by itself would be compared with where it was at the beginning, and
+//! all levels of detail would count at once.
 
 mod along;
 mod report;
@@ -26,7 +27,10 @@ use super::{
     headless,
     pass::Pass,
     pictures, say,
-    shoot::{self, Session, stage::Stage},
+    shoot::{
+        self, Session,
+        stage::{NOT_TIMED, Stage},
+    },
     shots,
 };
 use crate::{
@@ -72,7 +76,7 @@ fn measure_all(session: &mut Session, args: &Judge) -> Result<Report, Failure> {
         let (shots, sun) = session.enter(source)?;
         let scene = source.name();
         let path = camera_path(session.app.world().resource::<LoadedScene>(), args)?;
-        let truth = truth_scene(session.app.world_mut()).map_err(Failure::failed)?;
+        let truth = truth_scene(session.app.world_mut(), None).map_err(Failure::failed)?;
         let motions = shots
             .iter()
             .flat_map(|(_, shot)| args.stability.along.iter().map(move |along| (shot, *along)));
@@ -208,7 +212,7 @@ impl Measurement<'_> {
 
     /// Mask and depth of the first frame, when everything is loaded and stands still.
     fn settled(&self, app: &mut App) -> Result<[Texels; 2], Failure> {
-        let settled = self.stage.settle(app, &PASSES)?;
+        let settled = self.stage.settle(app, &PASSES, NOT_TIMED)?;
         <[Texels; 2]>::try_from(settled.texels).map_err(|_| missing())
     }
 

@@ -172,10 +172,11 @@ fn wait_for_frame(world: &mut World) {
     if judging.truth.is_some() || judging.accuracy.is_some() {
         return;
     }
+    let camera = Some(judging.camera);
     match judging.frame.next(is_compiling) {
         Stillness::Waiting => world.resource_mut::<Notice>().show("judging: drawing the mask"),
         Stillness::Restless => give_up(world, "this picture does not stand still, so it cannot be judged"),
-        Stillness::Still => match truth_scene(world) {
+        Stillness::Still => match truth_scene(world, camera) {
             Err(error) => give_up(world, error.to_string()),
             Ok(scene) => {
                 let mut judging = world.resource_mut::<Judging>();

@@ -72,10 +72,10 @@ fn init_apply_pipeline(
             ShaderStages::FRAGMENT,
             (
                 uniform_buffer::<ViewUniform>(true),
-                uniform_buffer::<ApplyParameters>(false),
-                texture_depth_2d(),
                 texture_depth_2d(),
                 texture_2d(TextureSampleType::Float { filterable: false }),
+                uniform_buffer::<ApplyParameters>(false),
+                texture_depth_2d(),
             ),
         ),
     );
@@ -128,7 +128,7 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         },
         bias_kind,
         bias_value,
-        padding_a: 0.0,
+        opacity: 0.0,
         padding_b: 0.0,
         padding_c: 0.0,
     }
@@ -181,7 +181,7 @@ fn apply_views(
     let bind_group = ctx.render_device().create_bind_group(
         "umbrage_apply_views",
         &cache.get_bind_group_layout(&pipeline.layout),
-        &BindGroupEntries::sequential((view_binding, parameters, depth, &atlas.view, normals)),
+        &BindGroupEntries::sequential((view_binding, depth, normals, parameters, &atlas.view)),
     );
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();

@@ -3,6 +3,7 @@
 use std::{collections::HashMap, sync::Arc};
 
 use bevy::{
+    camera::visibility::{RenderLayers, VisibilityRange, VisibleEntityRanges},
     light::NotShadowCaster,
     math::{Affine3A, Mat4, Vec2, Vec3},
     mesh::{
@@ -41,18 +42,33 @@ const BLEND_CUTOFF: f32 = 0.05;
 /// All visible meshes of the main world, skinned ones in the pose of the last transform propagation. Meshes without a
 /// triangle and those that are still being loaded are left out.
 ///
+/// With a camera, levels of detail ([`VisibilityRange`]) are those that its last frame drew, and what is on other
+/// [`RenderLayers`] is left out; without one, all levels count at once.
+///
 /// # Errors
 /// Something that is drawn cannot be read.
-pub fn truth_scene(world: &mut World) -> Result<TruthScene, TruthError> {
+pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthScene, TruthError> {
     let mut drawn = world.query::<(
+        Entity,
         &Mesh3d,
         &GlobalTransform,
         &InheritedVisibility,
         Option<&MeshMaterial3d<StandardMaterial>>,
         Option<&SkinnedMesh>,
         Has<NotShadowCaster>,
+        Has<VisibilityRange>,
+        Option<&RenderLayers>,
     )>();
     let world = &*world;
+    let ranges = world.get_resource::<VisibleEntityRanges>();
+    let camera_layers = camera.and_then(|camera| world.get::<RenderLayers>(camera)).cloned();
+    let camera_layers = camera_layers.unwrap_or_default();
+    let is_drawn = |entity: Entity, has_range: bool, layers: Option<&RenderLayers>| {
+        camera.is_none_or(|camera| {
+            let is_in_range = ranges.is_none_or(|ranges| ranges.entity_is_in_range_of_view(entity, camera));
+            (!has_range || is_in_range) && layers.unwrap_or(&RenderLayers::default()).intersects(&camera_layers)
+        })
+    };
     let (meshes, materials, images) = (
         world.get_resource::<Assets<Mesh>>(),
         world.get_resource::<Assets<StandardMaterial>>(),
@@ -61,11 +77,11 @@ pub fn truth_scene(world: &mut World) -> Result<TruthScene, TruthError> {
     let mut known_meshes: HashMap<AssetId<Mesh>, Option<Arc<TruthMesh>>> = HashMap::new();
     let mut known_masks: HashMap<AssetId<StandardMaterial>, Option<Arc<AlphaMask>>> = HashMap::new();
     let mut instances = Vec::new();
-    for (handle, transform, visibility, material, skin, does_not_cast) in drawn.iter(world) {
+    for (entity, handle, transform, visibility, material, skin, does_not_cast, has_range, layers) in drawn.iter(world) {
         let Some(mesh) = meshes.and_then(|meshes| meshes.get(&handle.0)) else {
             continue;
         };
-        if !visibility.get() {
+        if !visibility.get() || !is_drawn(entity, has_range, layers) {
             continue;
         }
         let pose = skin.and_then(|skin| joints_of(world, skin));

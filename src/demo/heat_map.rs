@@ -1,0 +1,65 @@
+//! The overlay of texel ÷ pixel: gives the player's camera a [`TexelHeatMap`] of the maps that the technique draws.
+
+use bevy::{core_pipeline::prepass::NormalPrepass, prelude::*};
+
+use super::{overlay::Overlay, player::Player, screens::Screen};
+use crate::{
+    level::Sun,
+    render::{
+        heat_map::{HeatMapSelection, HeatMapView, TexelHeatMap},
+        reference::light_maps::{LightMaps, Selection},
+    },
+    shadow::settings::{ShadowPath, SunShadows},
+};
+
+/// The picture stays recognizable below the colors.
+const OPACITY: f32 = 0.7;
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(Last, follow_overlay.run_if(in_state(Screen::Play)));
+}
+
+/// After everything that computes light views, once per frame.
+fn follow_overlay(world: &mut World) {
+    let camera = world.query_filtered::<Entity, With<Player>>().single(world);
+    let sun = world.query_filtered::<Entity, With<Sun>>().iter(world).next();
+    let (Ok(camera), Some(sun)) = (camera, sun) else {
+        return;
+    };
+    let is_wanted = world.resource::<Overlay>().is_heat_map();
+    if is_wanted {
+        let heat_map = heat_map(world, sun, camera);
+        world.entity_mut(camera).insert(heat_map);
+    } else if world.get::<TexelHeatMap>(camera).is_some() {
+        world.entity_mut(camera).remove::<TexelHeatMap>();
+        let needs_normals = world
+            .get::<SunShadows>(sun)
+            .is_some_and(|settings| settings.path == ShadowPath::Full);
+        if !needs_normals {
+            world.entity_mut(camera).remove::<NormalPrepass>();
+        }
+    }
+}
+
+fn heat_map(world: &World, sun: Entity, camera: Entity) -> TexelHeatMap {
+    let light_maps = LightMaps::of(world, sun, camera);
+    TexelHeatMap {
+        maps: light_maps
+            .maps
+            .iter()
+            .map(|map| HeatMapView {
+                clip_from_world: map.clip_from_world.as_mat4(),
+                size: map.size,
+                far_depth: map.far_depth as f32,
+            })
+            .collect(),
+        selection: match light_maps.selection {
+            Selection::Depth => HeatMapSelection::Depth,
+            Selection::BestResolution => HeatMapSelection::BestResolution,
+            Selection::Cascades => HeatMapSelection::Cascades,
+        },
+        distance: light_maps.distance as f32,
+        direction_to_light: world.get::<GlobalTransform>(sun).map_or(Vec3::Y, |place| *place.back()),
+        opacity: OPACITY,
+    }
+}

@@ -1,0 +1,253 @@
+//! [`TexelHeatMap`]: texel ÷ pixel of a technique in color over a camera's picture, live.
+//!
+//! A full-screen pass at the end of post-processing takes position and plane from the prepass, finds the map in which the
+//! shadow is looked up, and compares both footprints on the receiver.
+
+pub mod color;
+
+use bevy::{
+    core_pipeline::{
+        FullscreenShader,
+        prepass::{DepthPrepass, NormalPrepass, ViewPrepassTextures},
+        schedule::{Core3d, Core3dSystems},
+        tonemapping::tonemapping,
+    },
+    prelude::*,
+    render::{
+        Render, RenderApp, RenderStartup, RenderSystems,
+        camera::ExtractedCamera,
+        extract_component::{ExtractComponent, ExtractComponentPlugin},
+        render_resource::{
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendState, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, FragmentState, PipelineCache, RenderPassDescriptor,
+            RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline, SpecializedRenderPipelines,
+            TextureFormat, TextureSampleType, UniformBuffer,
+            binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
+        },
+        renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        texture::FallbackImage,
+        view::{ViewTarget, ViewUniform, ViewUniformOffset, ViewUniforms},
+    },
+};
+
+use super::{
+    gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
+    shaders,
+};
+
+/// One map of the heat map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatMapView {
+    /// World to light clip space.
+    pub clip_from_world: Mat4,
+    /// Texels per side.
+    pub size: u32,
+    /// View depth in metres up to which the map is meant to be used.
+    pub far_depth: f32,
+}
+
+/// How a pixel finds its map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HeatMapSelection {
+    /// The first map that ends behind the pixel and contains it.
+    #[default]
+    Depth,
+    /// The first map that contains it.
+    BestResolution,
+    /// The first map that ends behind it, as Bevy's cascades are selected.
+    Cascades,
+}
+
+/// On a camera: shows texel ÷ pixel (root of the ratio of areas) where a shadow is looked up: blue 1/8 and less, green 1,
+/// yellow 2, red 8 and more. Sky and what is in no map stay as they are.
+///
+/// # Limits
+/// At most [`MAX_LIGHT_VIEWS`] maps count. The camera needs `Msaa::Off`; with multisampling nothing is drawn.
+#[derive(Component, Clone, Debug, Default, PartialEq, ExtractComponent)]
+#[require(DepthPrepass, NormalPrepass)]
+pub struct TexelHeatMap {
+    /// In the order in which pixels look for theirs.
+    pub maps: Vec<HeatMapView>,
+    /// How they do.
+    pub selection: HeatMapSelection,
+    /// View depth in metres from which there are no shadows.
+    pub distance: f32,
+    /// Unit vector towards the light, world space.
+    pub direction_to_light: Vec3,
+    /// 0 shows the picture only, 1 the colors only.
+    pub opacity: f32,
+}
+
+impl TexelHeatMap {
+    fn parameters(&self) -> ApplyParameters {
+        let mut light_views = [GpuLightView::default(); MAX_LIGHT_VIEWS];
+        for (target, map) in light_views.iter_mut().zip(&self.maps) {
+            *target = GpuLightView {
+                clip_from_world: map.clip_from_world,
+                atlas_rect: Vec4::new(0.0, 0.0, map.size as f32, map.size as f32),
+                depth_range: Vec2::new(0.0, map.far_depth),
+                padding: Vec2::ZERO,
+            };
+        }
+        ApplyParameters {
+            light_views,
+            direction_to_light: self.direction_to_light,
+            light_view_count: self.maps.len().min(MAX_LIGHT_VIEWS) as u32,
+            shadow_distance: self.distance,
+            selection: match self.selection {
+                HeatMapSelection::Depth => 0,
+                HeatMapSelection::BestResolution => 1,
+                HeatMapSelection::Cascades => 2,
+            },
+            filter_kind: 0,
+            bias_kind: 0,
+            bias_value: 0.0,
+            opacity: self.opacity,
+            padding_b: 0.0,
+            padding_c: 0.0,
+        }
+    }
+}
+
+/// Makes [`TexelHeatMap`] work; costs nothing without one.
+pub struct HeatMapPlugin;
+
+impl Plugin for HeatMapPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(ExtractComponentPlugin::<TexelHeatMap>::default());
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_resource::<SpecializedRenderPipelines<HeatMapPipeline>>()
+            .add_systems(RenderStartup, init_pipeline)
+            .add_systems(Render, prepare.in_set(RenderSystems::PrepareResources))
+            .add_systems(Core3d, draw.in_set(Core3dSystems::PostProcess).after(tonemapping));
+    }
+}
+
+#[derive(Resource)]
+struct HeatMapPipeline {
+    layout: BindGroupLayoutDescriptor,
+    fullscreen: FullscreenShader,
+    shader: Handle<Shader>,
+}
+
+/// What one camera needs to be drawn.
+#[derive(Component)]
+struct PreparedHeatMap {
+    pipeline: CachedRenderPipelineId,
+    parameters: UniformBuffer<ApplyParameters>,
+}
+
+fn init_pipeline(mut commands: Commands, fullscreen: Res<FullscreenShader>, server: Res<AssetServer>) {
+    commands.insert_resource(HeatMapPipeline {
+        layout: BindGroupLayoutDescriptor::new(
+            "umbrage_heat_map",
+            &BindGroupLayoutEntries::sequential(
+                ShaderStages::FRAGMENT,
+                (
+                    uniform_buffer::<ViewUniform>(true),
+                    texture_depth_2d(),
+                    texture_2d(TextureSampleType::Float { filterable: false }),
+                    uniform_buffer::<ApplyParameters>(false),
+                ),
+            ),
+        ),
+        fullscreen: fullscreen.clone(),
+        shader: shaders::load(&server, "heat_map/texel_ratio.wgsl"),
+    });
+}
+
+impl SpecializedRenderPipeline for HeatMapPipeline {
+    type Key = TextureFormat;
+
+    fn specialize(&self, format: TextureFormat) -> RenderPipelineDescriptor {
+        RenderPipelineDescriptor {
+            label: Some("umbrage_heat_map".into()),
+            layout: vec![self.layout.clone()],
+            vertex: self.fullscreen.to_vertex_state(),
+            fragment: Some(FragmentState {
+                shader: self.shader.clone(),
+                targets: vec![Some(ColorTargetState {
+                    format,
+                    blend: Some(BlendState::ALPHA_BLENDING),
+                    write_mask: ColorWrites::COLOR,
+                })],
+                ..default()
+            }),
+            ..default()
+        }
+    }
+}
+
+fn prepare(
+    mut commands: Commands,
+    cameras: Query<(Entity, &TexelHeatMap, &ViewTarget, &Msaa)>,
+    left: Query<Entity, (With<PreparedHeatMap>, Without<TexelHeatMap>)>,
+    heat_map_pipeline: Res<HeatMapPipeline>,
+    mut pipelines: ResMut<SpecializedRenderPipelines<HeatMapPipeline>>,
+    cache: Res<PipelineCache>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+) {
+    for entity in &left {
+        commands.entity(entity).remove::<PreparedHeatMap>();
+    }
+    for (entity, heat_map, target, msaa) in &cameras {
+        if *msaa != Msaa::Off {
+            warn_once!("A camera with TexelHeatMap needs Msaa::Off; its heat map is not drawn.");
+            commands.entity(entity).remove::<PreparedHeatMap>();
+            continue;
+        }
+        let mut parameters = UniformBuffer::from(heat_map.parameters());
+        parameters.write_buffer(&device, &queue);
+        commands.entity(entity).insert(PreparedHeatMap {
+            pipeline: pipelines.specialize(&cache, &heat_map_pipeline, target.main_texture_format()),
+            parameters,
+        });
+    }
+}
+
+fn draw(
+    view: ViewQuery<(
+        &ExtractedCamera,
+        &ViewTarget,
+        &PreparedHeatMap,
+        &ViewPrepassTextures,
+        &ViewUniformOffset,
+    )>,
+    heat_map_pipeline: Res<HeatMapPipeline>,
+    cache: Res<PipelineCache>,
+    (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
+    mut ctx: RenderContext,
+) {
+    let (camera, target, prepared, prepass, view_offset) = view.into_inner();
+    let (Some(pipeline), Some(depth), Some(view_binding), Some(parameters)) = (
+        cache.get_render_pipeline(prepared.pipeline),
+        prepass.depth_view(),
+        view_uniforms.uniforms.binding(),
+        prepared.parameters.binding(),
+    ) else {
+        return;
+    };
+    let normals = prepass.normal_view().unwrap_or(&fallback.d2.texture_view);
+    let bind_group = ctx.render_device().create_bind_group(
+        "umbrage_heat_map",
+        &cache.get_bind_group_layout(&heat_map_pipeline.layout),
+        &BindGroupEntries::sequential((view_binding, depth, normals, parameters)),
+    );
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("umbrage_heat_map"),
+        color_attachments: &[Some(target.get_unsampled_color_attachment())],
+        depth_stencil_attachment: None,
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    if let Some(viewport) = &camera.viewport {
+        pass.set_camera_viewport(viewport);
+    }
+    pass.set_render_pipeline(pipeline);
+    pass.set_bind_group(0, &bind_group, &[view_offset.offset]);
+    pass.draw(0..3, 0..1);
+}
