@@ -9,10 +9,12 @@
 //! 4. [`pixels`]: truth for every pixel of a picture, from the depths that the GPU wrote; what makes a pixel valid.
 //! 5. [`accuracy`]: a technique's mask against truth, overall and near true shadow edges.
 //! 6. [`light_maps`]: the maps of a technique, and which of them a pixel reads.
-//! 7. [`sampling`]: texel ÷ pixel of every valid pixel, and how many texels visible receivers touch.
-//! 8. [`floor`]: what perfectly spread texels would get wrong.
+//! 7. [`sampling`]: texel ÷ pixel of every valid pixel.
+//! 8. [`coverage`]: how many texels visible receivers touch, and how many lie in the view.
+//! 9. [`floor`]: what perfectly spread texels would get wrong.
 
 pub mod accuracy;
+pub mod coverage;
 pub mod extract;
 pub mod floor;
 pub mod light_maps;
