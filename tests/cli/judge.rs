@@ -22,7 +22,7 @@ fn a_box_on_a_plane_is_judged() {
         4,
         "a head of two lines and two techniques: {table}"
     );
-    let report = std::fs::read(folder.path().join("j/report.json")).expect("report.json");
+    let report = fs::read(folder.path().join("j/report.json")).expect("report.json");
     let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
     let rows = report["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 2);
@@ -61,7 +61,7 @@ fn a_box_on_a_plane_is_judged() {
     ] {
         assert!(image::open(folder.path().join("j").join(plot)).is_ok(), "{plot}");
     }
-    let stats = std::fs::read(folder.path().join("j/stats.json")).expect("stats.json");
+    let stats = fs::read(folder.path().join("j/stats.json")).expect("stats.json");
     let stats: serde_json::Value = serde_json::from_slice(&stats).expect("JSON");
     let full = &stats["takes"][1];
     assert!(full["pass_ms"]["umbrage_draw_casters"].is_object(), "{full}");
@@ -71,7 +71,7 @@ fn a_box_on_a_plane_is_judged() {
         .filter_map(|view| view["casters_drawn"].as_u64())
         .collect();
     assert!(drawn.len() == 4 && drawn.iter().any(|count| *count > 0), "{drawn:?}");
-    let markdown = std::fs::read_to_string(folder.path().join("j/report.md")).expect("report.md");
+    let markdown = fs::read_to_string(folder.path().join("j/report.md")).expect("report.md");
     assert!(markdown.contains("`zp4+lispsm`"), "{markdown}");
 }
 

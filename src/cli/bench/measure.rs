@@ -2,7 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*, render::RenderApp};
+use bevy::{
+    core_pipeline::prepass::{DepthPrepass, NormalPrepass},
+    prelude::*,
+    render::RenderApp,
+};
 
 use super::plan::{Block, Route};
 use crate::{
@@ -110,9 +114,9 @@ impl Bench<'_> {
         self.stage.apply(self.app, technique);
         let mut camera = self.app.world_mut().entity_mut(self.stage.camera());
         if takes_full_path(technique) {
-            camera.insert(DepthPrepass);
+            camera.insert((DepthPrepass, NormalPrepass));
         } else {
-            camera.remove::<DepthPrepass>();
+            camera.remove::<(DepthPrepass, NormalPrepass)>();
         }
     }
 

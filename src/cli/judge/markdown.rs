@@ -93,16 +93,16 @@ impl Report {
             "\n## Texel ÷ pixel\n\nThe size of a texel of the map that a valid pixel reads, in pixels, on the pixel's \
              surface: the root of the areas' ratio (perspective × projection). Quantiles over the valid pixels of a shot, \
              means over shots, the largest of all. *Used*: texels that a visible surface facing the light covers, of all \
-             texels drawn. *Fine*: valid pixels outside the edge band whose texels are at most a quarter of a pixel long; \
+             texels drawn; *in view*: those that the visible part of the scene's box projects to. *Fine*: valid pixels outside the edge band whose texels are at most a quarter of a pixel long; \
              they confirm truth where the mask agrees with it.\n\n\
-             | scene | technique | median | 95 % | 99 % | largest | texels used, % | fine pixels, % | of them differ, % |\n\
-             |---|---|---|---|---|---|---|---|---|\n",
+             | scene | technique | median | 95 % | 99 % | largest | texels used, % | in view, % | fine pixels, % | of them differ, % |\n\
+             |---|---|---|---|---|---|---|---|---|---|\n",
         );
         for mean in self.means() {
             let (size, fine) = (mean.texel_pixel, mean.confirmed);
             let _ = writeln!(
                 text,
-                "| {} | `{}` | {:.3} | {:.3} | {:.3} | {:.2} | {:.2} | {:.2} | {:.3} ({}) |",
+                "| {} | `{}` | {:.3} | {:.3} | {:.3} | {:.2} | {:.2} | {:.2} | {:.2} | {:.3} ({}) |",
                 mean.scene,
                 mean.technique,
                 size.median,
@@ -110,6 +110,7 @@ impl Report {
                 size.p99,
                 size.max,
                 mean.over_receivers,
+                mean.in_view,
                 fine.pixels_percent,
                 fine.wrong_percent,
                 fine.wrong

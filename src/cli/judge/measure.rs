@@ -8,8 +8,10 @@ use bevy::{
 use super::report::{Confirmation, Distance, Floor, Row, TexelPixel, Texels, percent};
 use crate::{
     level::shot::Shot,
+    maths::{bounds::Bounds, view::ViewVolume},
     render::reference::{
         accuracy::{self, Counts, Kinds, LIT_ABOVE},
+        coverage,
         floor::sampling_floor,
         light_maps::LightMaps,
         pixels::{PixelRays, PixelTruth, Traced, trace},
@@ -32,6 +34,8 @@ const OCTAVES: f64 = 6.0;
 pub(super) struct ShotTruth {
     scene: TruthScene,
     rays: PixelRays,
+    /// `None`: the camera has none.
+    view: Option<ViewVolume>,
     to_light: DVec3,
     pub(super) traced: Traced,
     band: Vec<bool>,
@@ -54,6 +58,7 @@ impl ShotTruth {
         let mut shot_truth = Self {
             band: accuracy::edge_band(size, &traced.truth),
             scene,
+            view: view(&rays, shot),
             rays,
             to_light,
             traced,
@@ -76,7 +81,13 @@ impl ShotTruth {
         let valid = accuracy::count_where(mask, truth, |_| true);
         let samples = sampling::samples(maps, &self.rays, &self.traced);
         let texel_pixel = texel_pixel(&samples, valid.valid);
-        let over_receivers = sampling::touched_texels(maps, &self.rays, &self.traced, self.to_light);
+        let over_receivers = coverage::touched_texels(maps, &self.rays, &self.traced, self.to_light);
+        let in_view = self.view.as_ref().map_or(0.0, |view| {
+            let statistics = self.scene.statistics();
+            let [min, max] =
+                [statistics.bounds_min_m, statistics.bounds_max_m].map(|corner| Vec3::from(corner).as_dvec3());
+            coverage::texels_in_view(maps, view, &Bounds::new(min, max))
+        });
         let mut floor = self.floors.clone();
         if let Some(found) = texel_pixel.as_ref().filter(|_| !floor.is_empty()) {
             floor.push(self.floor(found.mean_size.median, true));
@@ -92,6 +103,8 @@ impl ShotTruth {
                 drawn: texels_drawn,
                 over_receivers,
                 over_receivers_percent: 100.0 * over_receivers as f64 / texels_drawn.max(1) as f64,
+                in_view,
+                in_view_percent: 100.0 * in_view / texels_drawn.max(1) as f64,
             },
             floor,
             distances: self.distances(mask),
@@ -176,6 +189,14 @@ pub(super) fn bin_end(bin: usize) -> f64 {
     }
 }
 
+/// What a shot's camera sees between near and far.
+fn view(rays: &PixelRays, shot: &Shot) -> Option<ViewVolume> {
+    let (near, far) = (f64::from(shot.near), f64::from(shot.far));
+    let size = rays.size.as_dvec2();
+    let opening = 2.0 * rays.tan_half_fov_y.atan();
+    ViewVolume::perspective(rays.eye, rays.forward, rays.up, opening, size.x / size.y, near, far).ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,6 +221,7 @@ mod tests {
                 forward: DVec3::NEG_Y,
                 tan_half_fov_y: 1.0,
             },
+            view: None,
             to_light: DVec3::Y,
             band: accuracy::edge_band(size, kinds),
             traced: Traced {

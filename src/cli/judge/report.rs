@@ -148,6 +148,10 @@ pub(super) struct Texels {
     /// Texels that the footprint of at least one pixel with a surface that faces the light touches.
     pub(super) over_receivers: u64,
     pub(super) over_receivers_percent: f64,
+    /// Texels in the projection of the visible part of the scene's box, each map with the slice of the view that it is
+    /// meant for.
+    pub(super) in_view: f64,
+    pub(super) in_view_percent: f64,
 }
 
 /// Valid pixels outside the edge band whose texels are much smaller than pixels: a map has no excuse there, so that they
@@ -196,6 +200,7 @@ pub(super) struct Mean {
     /// Texel ÷ pixel: means of the shots' quantiles, but the largest maximum.
     pub(super) texel_pixel: Quantiles,
     pub(super) over_receivers: f64,
+    pub(super) in_view: f64,
     /// Of all shots together.
     pub(super) confirmed: Confirmation,
 }
@@ -273,6 +278,7 @@ impl Report {
                 max: with_map.iter().map(|found| found.mean_size.max).fold(0.0, f64::max),
             },
             over_receivers: mean(&|row| row.texels.over_receivers_percent),
+            in_view: mean(&|row| row.texels.in_view_percent),
             confirmed: Confirmation {
                 largest: rows.first().map_or(0.0, |row| row.confirmation.largest),
                 pixels: fine,

@@ -19,7 +19,9 @@ pub struct LightMap {
     pub clip_from_world: DMat4,
     /// Texels per side.
     pub size: u32,
-    /// View depth in metres up to which the map is meant to be used.
+    /// View depth in metres from which the map is meant to be used.
+    pub near_depth: f64,
+    /// View depth up to which it is.
     pub far_depth: f64,
 }
 
@@ -65,6 +67,7 @@ impl LightMaps {
             .map(|partition| LightMap {
                 clip_from_world: partition.light_view.clip_from_world.as_dmat4(),
                 size: settings.map_size,
+                near_depth: f64::from(partition.light_view.near_depth),
                 far_depth: f64::from(partition.light_view.far_depth),
             });
         Self {
@@ -85,15 +88,24 @@ impl LightMaps {
         let size = world
             .get_resource::<DirectionalLightShadowMap>()
             .map_or(0, |map| u32::try_from(map.size).unwrap_or(u32::MAX));
-        let bounds = config.into_iter().flat_map(|config| &config.bounds);
+        let ranges = config.into_iter().flat_map(|config| {
+            let overlapped = config
+                .bounds
+                .iter()
+                .map(|bound| bound * (1.0 - config.overlap_proportion));
+            std::iter::once(config.minimum_distance)
+                .chain(overlapped)
+                .zip(&config.bounds)
+        });
         let maps: Vec<LightMap> = cascades
             .into_iter()
             .flatten()
-            .zip(bounds)
-            .map(|(cascade, bound)| LightMap {
+            .zip(ranges)
+            .map(|(cascade, (near, far))| LightMap {
                 clip_from_world: cascade.clip_from_world.as_dmat4(),
                 size,
-                far_depth: f64::from(*bound),
+                near_depth: f64::from(near),
+                far_depth: f64::from(*far),
             })
             .collect();
         Self {
@@ -157,6 +169,7 @@ mod tests {
                 [0.0, 0.0, 0.5, 1.0],
             ]),
             size: 100,
+            near_depth: 0.1,
             far_depth,
         };
         LightMaps {

@@ -1,4 +1,4 @@
-//! Texel ÷ pixel of every valid pixel, and the texels that visible receivers touch.
+//! Texel ÷ pixel of every valid pixel.
 //!
 //! The Jacobians and their split are in [`maths::footprint`](crate::maths::footprint). Both numbers that are reported are
 //! lengths, so that 2 means twice as coarse:
@@ -11,8 +11,7 @@
 //!
 //! With r the ratio of both singular values, the largest extent is √r times the mean size.
 
-use bevy::math::{DMat2, DMat4, DVec2, DVec3, UVec2};
-
+use bevy::math::{DMat4, UVec2};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -120,89 +119,10 @@ impl Quantiles {
     }
 }
 
-/// Texels of all maps that the footprint of at least one visible receiver's pixel touches.
-///
-/// A visible receiver is a surface that a pixel sees and that faces the light, valid or not: what is left out of accuracy
-/// needs its shadow all the same. The pixel's footprint on the receiver's plane is a parallelogram in the map.
-pub fn touched_texels(maps: &LightMaps, rays: &PixelRays, traced: &Traced, to_light: DVec3) -> u64 {
-    let camera = Camera::new(rays);
-    let mut grids: Vec<Grid> = maps.maps.iter().map(|map| Grid::new(map.size)).collect();
-    for point in traced.points.iter().flatten() {
-        if point.normal_world.dot(to_light) <= 0.0 {
-            continue;
-        }
-        let Some(index) = maps.select(point.position_world, point.view_depth) else {
-            continue;
-        };
-        let map = &maps.maps[index];
-        let Some(pixel) = camera.footprint(point) else {
-            continue;
-        };
-        let middle = map.texel(point.position_world);
-        // Steps of one pixel on the receiver's plane, as steps in the map: exact for their ends.
-        let steps = pixel
-            .on_plane(point.normal_world)
-            .map(|step| map.texel(point.position_world + step * 0.5) - map.texel(point.position_world - step * 0.5));
-        grids[index].touch(middle, steps);
-    }
-    grids.iter().map(Grid::count).sum()
-}
-
-/// Overlaps below it, in texels or pixels, are rounding.
-const ROUNDING: f64 = 1.0e-6;
-
-/// Texels of one map, row by row.
-struct Grid {
-    size: u32,
-    touched: Vec<bool>,
-}
-
-impl Grid {
-    fn new(size: u32) -> Self {
-        Self {
-            size,
-            touched: vec![false; size as usize * size as usize],
-        }
-    }
-
-    /// Marks every texel whose square shares an area with the parallelogram around `middle` with the sides `steps`.
-    fn touch(&mut self, middle: DVec2, steps: [DVec2; 2]) {
-        let half = (steps[0].abs() + steps[1].abs()) * 0.5 - ROUNDING;
-        if !middle.is_finite() || !half.is_finite() {
-            return;
-        }
-        let last = f64::from(self.size) - 1.0;
-        let low = (middle - half).floor().clamp(DVec2::ZERO, DVec2::splat(last));
-        let high = ((middle + half).ceil() - 1.0)
-            .clamp(DVec2::ZERO, DVec2::splat(last))
-            .max(low);
-        // Separating axes: those of the squares are the bounds above, those of the parallelogram are these.
-        let sides = DMat2::from_cols(steps[0], steps[1]);
-        let from_map = (sides.determinant().abs() > 1.0e-12).then(|| sides.inverse());
-        let reach = from_map
-            .map(|from_map| DVec2::splat(0.5 - ROUNDING) + (from_map.x_axis.abs() + from_map.y_axis.abs()) * 0.5);
-        for y in low.y as usize..=high.y as usize {
-            for x in low.x as usize..=high.x as usize {
-                let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                let is_touched = match (from_map, reach) {
-                    (Some(from_map), Some(reach)) => (from_map * (center - middle)).abs().cmplt(reach).all(),
-                    // Seen edge-on it is a line: all of its bounds count.
-                    _ => true,
-                };
-                if is_touched {
-                    self.touched[y * self.size as usize + x] = true;
-                }
-            }
-        }
-    }
-
-    fn count(&self) -> u64 {
-        self.touched.iter().filter(|touched| **touched).count() as u64
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use bevy::math::{DVec2, DVec3};
+
     use super::*;
     use crate::render::reference::{
         light_maps::{LightMap, Selection},
@@ -232,6 +152,7 @@ mod tests {
                     [0.0, 0.0, 0.5, 1.0],
                 ]),
                 size,
+                near_depth: 0.1,
                 far_depth: 100.0,
             }],
             selection: Selection::Depth,
@@ -313,51 +234,5 @@ mod tests {
         );
         assert_eq!(Quantiles::of([7.0].into_iter()).map(|found| found.p99), Some(7.0));
         assert_eq!(Quantiles::of(std::iter::empty()), None);
-    }
-
-    #[test]
-    fn footprints_touch_texels() {
-        let touched = |middle: [f64; 2], steps: [[f64; 2]; 2]| {
-            let mut grid = Grid::new(8);
-            grid.touch(middle.into(), steps.map(DVec2::from));
-            grid.count()
-        };
-        assert_eq!(touched([2.5, 2.5], [[0.2, 0.0], [0.0, 0.2]]), 1, "inside one texel");
-        assert_eq!(touched([3.0, 2.5], [[0.2, 0.0], [0.0, 0.2]]), 2, "across a border");
-        assert_eq!(touched([3.0, 3.0], [[2.0, 0.0], [0.0, 2.0]]), 4, "exactly four");
-        // A diamond with corners 2 from its middle: all of the inner 2 × 2, and two texels beyond each side, as the corners
-        // of 4 × 4 stay free.
-        assert_eq!(touched([4.0, 4.0], [[2.0, 2.0], [-2.0, 2.0]]), 12, "a diamond");
-        assert_eq!(
-            touched([0.0, 0.0], [[2.0, 0.0], [0.0, 2.0]]),
-            1,
-            "at the border of the map"
-        );
-        assert_eq!(touched([f64::NAN, 0.0], [[2.0, 0.0], [0.0, 2.0]]), 0);
-    }
-
-    #[test]
-    fn receivers_touch_what_pixels_cover() {
-        // 100 pixels of 0.1 m × 0.1 m in a row, half of them facing away; texels of 0.2 m in a map of 40 m.
-        let size = UVec2::new(100, 1);
-        let rays = PixelRays {
-            size,
-            tan_half_fov_y: 0.005,
-            ..from_above()
-        };
-        let points = (0..100).map(|x| {
-            Some(SurfacePoint {
-                position_world: DVec3::new(f64::from(x) * 0.1 - 4.95, 0.0, 0.1),
-                normal_world: if x < 50 { DVec3::Y } else { DVec3::NEG_Y },
-                view_depth: 10.0,
-            })
-        });
-        let traced = Traced {
-            truth: vec![PixelTruth::Unsure; 100],
-            points: points.collect(),
-        };
-        let maps = map(40.0, 40.0, 200);
-        assert_eq!(touched_texels(&maps, &rays, &traced, DVec3::Y), 25);
-        assert_eq!(maps.texels(), 40_000);
     }
 }
