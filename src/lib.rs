@@ -16,6 +16,8 @@
 //! | [`demo`] | the playable demo: screens, walker, sun controls | `demo` |
 //! | [`cli`] | the command line: `play`, `shoot`, `list` | `demo` |
 
+#[cfg(feature = "forge")]
+pub mod forge;
 pub mod maths;
 
 #[cfg(feature = "render")]

@@ -1,0 +1,66 @@
+//! Assets from code.
+
+pub mod bake;
+pub mod glb;
+pub mod mesh;
+pub mod plant;
+pub mod portable;
+pub mod texture;
+
+use mesh::Model;
+use plant::{species, tree};
+
+/// How to make one file.
+#[derive(Clone, Copy, Debug)]
+pub struct Recipe {
+    /// File name without extension.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub about: &'static str,
+    make: fn() -> Model,
+}
+
+impl Recipe {
+    /// Meshes, materials and pictures.
+    pub fn model(&self) -> Model {
+        (self.make)()
+    }
+
+    /// The bytes of the .glb file.
+    pub fn forge(&self) -> Vec<u8> {
+        glb::bytes(&self.model())
+    }
+}
+
+const ASSETS: &[Recipe] = &[
+    Recipe {
+        name: "oak",
+        about: "pedunculate oak, two shapes",
+        make: || tree::forge(&species::OAK),
+    },
+    Recipe {
+        name: "birch",
+        about: "silver birch, two shapes",
+        make: || tree::forge(&species::BIRCH),
+    },
+    Recipe {
+        name: "beech",
+        about: "beech, two shapes",
+        make: || tree::forge(&species::BEECH),
+    },
+    Recipe {
+        name: "spruce",
+        about: "Norway spruce, two shapes",
+        make: || tree::forge(&species::SPRUCE),
+    },
+    Recipe {
+        name: "pine",
+        about: "Scots pine, two shapes",
+        make: || tree::forge(&species::PINE),
+    },
+];
+
+/// All assets.
+pub fn assets() -> &'static [Recipe] {
+    ASSETS
+}

@@ -1,0 +1,3 @@
+//! Assets from code: files that others can read, pictures, growth.
+
+mod glb;
