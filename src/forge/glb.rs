@@ -3,7 +3,7 @@
 //! * One scene per variant; the first is the default. Its node is `NAME_LOD0`; the coarser nodes `NAME_LOD1`, … belong to
 //!   no scene and are named by `MSFT_lod` of the first, with `MSFT_screencoverage` in its extras. Tools that know neither
 //!   show the finest level.
-//! * Pictures are PNG inside the file. Texture coordinates are 32-bit floats, shades 8-bit vertex colours, indices of 16
+//! * Pictures are PNG inside the file. Texture coordinates are of 16 bits where they stay inside the picture, shades 8-bit vertex colours, indices of 16
 //!   bits where they suffice.
 //! * Leaves carry `KHR_materials_volume` (thickness) and `KHR_materials_diffuse_transmission`; impostor materials say
 //!   in `extras.umbrage_views` how their views lie in their pictures.
@@ -202,10 +202,7 @@ impl File {
             Semantic::Normals,
             self.floats(Type::Vec3, vertices.iter().map(|v| v.normal.to_array())),
         );
-        add(
-            Semantic::TexCoords(0),
-            self.floats(Type::Vec2, vertices.iter().map(|v| v.uv.to_array())),
-        );
+        add(Semantic::TexCoords(0), self.coordinates(mesh));
         if mesh.tangents {
             let tangents = vertices.iter().map(|v| [v.tangent.x, v.tangent.y, v.tangent.z, 1.0]);
             add(Semantic::Tangents, self.floats(Type::Vec4, tangents));
@@ -238,6 +235,23 @@ impl File {
         let bytes: Vec<u8> = values.flatten().flat_map(f32::to_le_bytes).collect();
         let count = bytes.len() / (4 * N);
         self.accessor(&bytes, Target::ArrayBuffer, ComponentType::F32, type_, count)
+    }
+
+    /// 16 bits where all coordinates are inside the picture, else floats.
+    fn coordinates(&mut self, mesh: &Mesh) -> Index<Accessor> {
+        let uvs = || mesh.vertices.iter().flat_map(|v| v.uv.to_array());
+        if uvs().any(|coordinate| !(0.0..=1.0).contains(&coordinate)) {
+            return self.floats(Type::Vec2, mesh.vertices.iter().map(|v| v.uv.to_array()));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0..=65535")]
+        let code = |coordinate: f32| (coordinate * 65535.0 + 0.5) as u16;
+        let bytes: Vec<u8> = uvs().flat_map(|coordinate| code(coordinate).to_le_bytes()).collect();
+        let count = mesh.vertices.len();
+        let accessor = self.accessor(&bytes, Target::ArrayBuffer, ComponentType::U16, Type::Vec2, count);
+        if let Some(last) = self.root.accessors.last_mut() {
+            last.normalized = true;
+        }
+        accessor
     }
 
     fn shades(&mut self, mesh: &Mesh) -> Index<Accessor> {
@@ -383,6 +397,7 @@ fn views_extras(views: Views) -> Extras {
         "mapping": "hemi-octahedral",
         "grid": views.grid,
         "center": views.center.to_array(),
+        "half": views.half.to_array(),
         "radius": views.radius,
         "depth": "alpha of the normal picture: 1 at +radius towards the viewer, 0 at -radius",
     } }))

@@ -112,7 +112,9 @@ pub struct Views {
     pub grid: u32,
     /// Centre of all views in metres.
     pub center: Vec3,
-    /// Half the side of a view's square in metres; depth runs from −radius to +radius too.
+    /// Half the width and height of a view in metres.
+    pub half: Vec2,
+    /// Depth runs from −radius to +radius, in metres.
     pub radius: f32,
 }
 

@@ -2,11 +2,13 @@
 
 pub mod bake;
 pub mod glb;
+pub mod ground;
 pub mod mesh;
 pub mod plant;
 pub mod portable;
 pub mod texture;
 
+use ground::{deadwood, herbs, rock};
 use mesh::Model;
 use plant::{species, tree};
 
@@ -57,6 +59,36 @@ const ASSETS: &[Recipe] = &[
         name: "pine",
         about: "Scots pine, two shapes",
         make: || tree::forge(&species::PINE),
+    },
+    Recipe {
+        name: "dead_tree",
+        about: "standing dead tree, two shapes",
+        make: || tree::forge(&species::DEAD_TREE),
+    },
+    Recipe {
+        name: "bush",
+        about: "hazel bush, two shapes",
+        make: || tree::forge(&species::BUSH),
+    },
+    Recipe {
+        name: "fern",
+        about: "male fern, two shapes",
+        make: herbs::fern,
+    },
+    Recipe {
+        name: "grass",
+        about: "grass: a low tuft, a high one with ears",
+        make: herbs::grass,
+    },
+    Recipe {
+        name: "rock",
+        about: "rocks: a stone, a block, a boulder",
+        make: rock::forge,
+    },
+    Recipe {
+        name: "deadwood",
+        about: "a stump and a fallen log",
+        make: deadwood::forge,
     },
 ];
 

@@ -45,6 +45,7 @@ fn model() -> Model {
         views: Some(Views {
             grid: 5,
             center: Vec3::new(0.0, 1.5, 0.0),
+            half: Vec2::new(1.0, 2.0),
             radius: 2.0,
         }),
         ..Material::plain("leaf", [1.0, 0.5, 0.25])

@@ -2,8 +2,8 @@
 //!
 //! Views stand on a hemi-octahedron, so that a shader finds the nearest ones without a search: a direction towards the
 //! viewer d with d.y ≥ 0 is divided by |x| + |y| + |z|, and (x + z, z − x) of it runs over the square −1..=1. Each view
-//! is a parallel projection onto a square of twice the radius: colour with alpha; normals relative to the view (x right,
-//! y up, z towards the viewer) with depth in alpha.
+//! is a parallel projection onto a rectangle that holds the model from every side: colour with alpha; normals relative to
+//! the view (x right, y up, z towards the viewer) with depth in alpha.
 //!
 //! For renderers without such a shader there is a mesh: four upright cards and a level one that show five of the views.
 
@@ -21,14 +21,16 @@ use crate::forge::{
 
 /// Views per side.
 pub const GRID: u32 = 5;
-/// Texels per side of a view.
-const VIEW_TEXELS: usize = 96;
+/// Texels of a view, about.
+const VIEW_TEXELS: f32 = 6900.0;
+/// Columns and rows of a view are multiples of this, so that mips of neighbours stay apart.
+const BLOCK: f32 = 8.0;
 /// Rasterised points per texel and axis.
 const OVERSAMPLING: usize = 4;
 /// Steps of channels in the file.
 const COLOR_LEVELS: u32 = 40;
-const NORMAL_LEVELS: u32 = 24;
-const DEPTH_LEVELS: u32 = 32;
+const NORMAL_LEVELS: u32 = 16;
+const DEPTH_LEVELS: u32 = 16;
 /// Alpha below this is not there.
 const CUTOFF: f32 = 0.5;
 
@@ -57,27 +59,26 @@ pub fn bake(model: &mut Model, lod: &Lod, name: &str) -> Lod {
     let (low, high) = lod.bounds().unwrap_or((Vec3::ZERO, Vec3::ONE));
     // Below the ground there is nothing to see.
     let low = low.with_y(low.y.max(0.0));
-    let center = (low + high) * 0.5;
-    let radius = (high - low).length() * 0.5;
-    let side = VIEW_TEXELS * GRID as usize;
+    let frame = Frame::around(low, high);
+    let (width, height) = (frame.width * GRID as usize, frame.height * GRID as usize);
     let empty = Texel {
         color: Vec3::ZERO,
         normal: Vec3::ZERO,
         depth: -1.0,
         coverage: 0.0,
     };
-    let mut texels = vec![empty; side * side];
+    let mut texels = vec![empty; width * height];
     for row in 0..GRID {
         for column in 0..GRID {
-            let view = view(model, lod, direction(column, row), center, radius);
+            let view = view(model, lod, direction(column, row), &frame);
             for (i, texel) in view.into_iter().enumerate() {
-                let x = column as usize * VIEW_TEXELS + i % VIEW_TEXELS;
-                let y = row as usize * VIEW_TEXELS + i / VIEW_TEXELS;
-                texels[y * side + x] = texel;
+                let x = column as usize * frame.width + i % frame.width;
+                let y = row as usize * frame.height + i / frame.width;
+                texels[y * width + x] = texel;
             }
         }
     }
-    let [color, normal] = pictures(&texels, side, name);
+    let [color, normal] = pictures(&texels, width, name);
     let (base_picture, normal_picture) = (model.add_picture(color), model.add_picture(normal));
     let material = model.add_material(Material {
         base_picture: Some(base_picture),
@@ -85,28 +86,62 @@ pub fn bake(model: &mut Model, lod: &Lod, name: &str) -> Lod {
         cutoff: Some(CUTOFF),
         views: Some(Views {
             grid: GRID,
-            center,
-            radius,
+            center: frame.center,
+            half: frame.half,
+            radius: frame.half.y,
         }),
         ..Material::plain(&format!("{name}_impostor"), [1.0; 3])
     });
     Lod {
         parts: vec![Part {
-            mesh: cards(center, radius),
+            mesh: cards(&frame),
             material,
         }],
         screen_coverage: 0.0,
     }
 }
 
+/// What all views of a model have in common.
+struct Frame {
+    center: Vec3,
+    /// Half the width and height in metres.
+    half: Vec2,
+    /// Texels.
+    width: usize,
+    height: usize,
+}
+
+impl Frame {
+    /// The frame that holds a box from every side.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "small and positive"
+    )]
+    fn around(low: Vec3, high: Vec3) -> Self {
+        let extent = high - low;
+        let across = 0.5 * (extent.x * extent.x + extent.z * extent.z).sqrt();
+        // From the side it is as high as the box, from above as high as it is wide, between them higher than both.
+        let half = Vec2::new(across, 0.5 * extent.length()).max(Vec2::splat(1e-3));
+        let ratio = (half.y / half.x).min(8.0);
+        let blocks = |texels: f32| ((texels / BLOCK + 0.5).floor().max(1.0) * BLOCK) as usize;
+        let width = blocks((VIEW_TEXELS / ratio).sqrt());
+        Self {
+            center: (low + high) * 0.5,
+            half,
+            width,
+            height: blocks(VIEW_TEXELS / width as f32),
+        }
+    }
+}
+
 /// One view, with alpha that keeps its coverage under the test.
-fn view(model: &Model, lod: &Lod, toward: Vec3, center: Vec3, radius: f32) -> Vec<Texel> {
-    let points = VIEW_TEXELS * OVERSAMPLING;
-    let sight = Sight::from_direction(center, toward, Vec2::splat(radius));
-    let mut raster = Raster::new(points, points);
+fn view(model: &Model, lod: &Lod, toward: Vec3, frame: &Frame) -> Vec<Texel> {
+    let sight = Sight::from_direction(frame.center, toward, frame.half);
+    let mut raster = Raster::new(frame.width * OVERSAMPLING, frame.height * OVERSAMPLING);
     raster.draw(model, lod, &sight);
-    let mut texels: Vec<Texel> = (0..VIEW_TEXELS * VIEW_TEXELS)
-        .map(|i| average(&raster, &sight, i % VIEW_TEXELS, i / VIEW_TEXELS, radius))
+    let mut texels: Vec<Texel> = (0..frame.width * frame.height)
+        .map(|i| average(&raster, &sight, i % frame.width, i / frame.width))
         .collect();
     let covered: f32 = texels.iter().map(|texel| texel.coverage).sum();
     let mut coverages: Vec<f32> = texels.iter().map(|texel| texel.coverage).collect();
@@ -125,7 +160,7 @@ fn view(model: &Model, lod: &Lod, toward: Vec3, center: Vec3, radius: f32) -> Ve
     texels
 }
 
-fn average(raster: &Raster, sight: &Sight, x: usize, y: usize, radius: f32) -> Texel {
+fn average(raster: &Raster, sight: &Sight, x: usize, y: usize) -> Texel {
     let (mut color, mut normal, mut height, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
     for i in 0..OVERSAMPLING * OVERSAMPLING {
         let (column, row) = (x * OVERSAMPLING + i % OVERSAMPLING, y * OVERSAMPLING + i / OVERSAMPLING);
@@ -145,34 +180,47 @@ fn average(raster: &Raster, sight: &Sight, x: usize, y: usize, radius: f32) -> T
             normal.dot(sight.up),
             normal.dot(sight.toward()),
         ),
-        depth: if count > 0.0 { height * share / radius } else { -1.0 },
+        depth: if count > 0.0 {
+            height * share / sight.half.y
+        } else {
+            -1.0
+        },
         coverage: count / (OVERSAMPLING * OVERSAMPLING) as f32,
     }
 }
 
 /// Colour with alpha, and normals with depth.
-fn pictures(texels: &[Texel], side: usize, name: &str) -> [Picture; 2] {
+fn pictures(texels: &[Texel], width: usize, name: &str) -> [Picture; 2] {
+    let height = texels.len() / width;
     let mut colors: Vec<(Vec3, f32)> = texels.iter().map(|texel| (texel.color, texel.coverage)).collect();
-    spread_colors(&mut colors, side);
+    spread_colors(&mut colors, width);
     let mut normals: Vec<(Vec3, f32)> = texels.iter().map(|texel| (texel.normal, texel.coverage)).collect();
-    spread_colors(&mut normals, side);
-    let color = Picture::from_fn(&format!("{name}_views"), side, side, Channels::Rgba, |x, y| {
-        let (color, alpha) = colors[y * side + x];
+    spread_colors(&mut normals, width);
+    let color = Picture::from_fn(&format!("{name}_views"), width, height, Channels::Rgba, |x, y| {
+        let (color, alpha) = colors[y * width + x];
         let [r, g, b] = color
             .to_array()
             .map(|c| quantised(f32::from(srgb_code(c)) / 255.0, COLOR_LEVELS));
         [r, g, b, quantised(alpha, 16)]
     });
-    let normal = Picture::from_fn(&format!("{name}_view_normals"), side, side, Channels::Rgba, |x, y| {
-        let i = y * side + x;
-        let [r, g, b] = normals[i].0.to_array().map(|c| quantised(0.5 + 0.5 * c, NORMAL_LEVELS));
-        [r, g, b, quantised(0.5 + 0.5 * texels[i].depth, DEPTH_LEVELS)]
-    });
+    let normal = Picture::from_fn(
+        &format!("{name}_view_normals"),
+        width,
+        height,
+        Channels::Rgba,
+        |x, y| {
+            let i = y * width + x;
+            let [r, g, b] = normals[i].0.to_array().map(|c| quantised(0.5 + 0.5 * c, NORMAL_LEVELS));
+            [r, g, b, quantised(0.5 + 0.5 * texels[i].depth, DEPTH_LEVELS)]
+        },
+    );
     [color, normal]
 }
 
-/// Four upright cards through the centre, each with the view from its side, and a level one seen from above.
-fn cards(center: Vec3, radius: f32) -> Mesh {
+/// Four upright cards through the axis of the trunk (x = z = 0), each with the view from its side, and a level one
+/// through the centre, seen from above.
+fn cards(frame: &Frame) -> Mesh {
+    let (center, half) = (frame.center, frame.half);
     let last = GRID - 1;
     let views = [(last, 0), (last, last), (0, last), (0, 0), (last / 2, last / 2)];
     let mut mesh = Mesh {
@@ -180,12 +228,19 @@ fn cards(center: Vec3, radius: f32) -> Mesh {
         ..Mesh::default()
     };
     for (column, row) in views {
-        let sight = Sight::from_direction(center, direction(column, row), Vec2::splat(radius));
+        let sight = Sight::from_direction(center, direction(column, row), half);
+        // Trunks then meet where the cards cross.
+        let toward = sight.toward();
+        let onto_axis = if toward.y > 0.5 {
+            Vec3::ZERO
+        } else {
+            -toward * center.dot(toward)
+        };
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
             let u = (column as f32 + 0.5 + 0.5 * x) / GRID as f32;
             let v = (row as f32 + 0.5 - 0.5 * y) / GRID as f32;
             mesh.push(Vertex {
-                position: center + (sight.right * x + sight.up * y) * radius,
+                position: center + onto_axis + sight.right * (x * half.x) + sight.up * (y * half.y),
                 normal: sight.toward(),
                 uv: Vec2::new(u, v),
                 tangent: sight.right,
@@ -239,20 +294,22 @@ mod tests {
         assert_eq!(impostor.triangle_count(), 10);
         let views = model.materials[1].views.expect("views");
         assert_eq!(views.center, Vec3::Y);
-        assert!((views.radius - 2.0_f32.sqrt()).abs() < 1e-6);
-        // The view from +z is the lower right one; the square covers half of its area.
+        assert!((views.half - Vec2::new(1.0, 2.0_f32.sqrt())).length() < 1e-6);
+        // The view from +z is the lower right one; the square is as wide as it, and 1 / √2 as high.
         let [color, normal] = [&model.pictures[0], &model.pictures[1]];
-        let last = (GRID as usize - 1) * VIEW_TEXELS;
-        let texel = |picture: &Picture, x: usize, y: usize| picture.texels[(last + y) * picture.width + last + x];
-        let covered = (0..VIEW_TEXELS * VIEW_TEXELS)
-            .filter(|i| texel(color, i % VIEW_TEXELS, i / VIEW_TEXELS)[3] >= 128)
+        let (width, height) = (color.width / GRID as usize, color.height() / GRID as usize);
+        assert!((width * height).abs_diff(6900) < 500);
+        let texel =
+            |picture: &Picture, x: usize, y: usize| picture.texels[(4 * height + y) * picture.width + 4 * width + x];
+        let covered = (0..width * height)
+            .filter(|i| texel(color, i % width, i / width)[3] >= 128)
             .count();
-        let share = covered as f32 / (VIEW_TEXELS * VIEW_TEXELS) as f32;
-        assert!((share - 0.5).abs() < 0.02, "{share}");
-        assert_eq!(texel(color, 48, 48), [0, 255, 0, 255]);
-        let [x, y, z, depth] = texel(normal, 48, 48);
-        assert!(x.abs_diff(128) < 8 && y.abs_diff(128) < 8 && z == 255 && depth.abs_diff(128) < 6);
+        let share = covered as f32 / (width * height) as f32;
+        assert!((share - 0.5_f32.sqrt()).abs() < 0.02, "{share}");
+        assert_eq!(texel(color, width / 2, height / 2), [0, 255, 0, 255]);
+        let [x, y, z, depth] = texel(normal, width / 2, height / 2);
+        assert!(x.abs_diff(128) < 9 && y.abs_diff(128) < 9 && z == 255 && depth.abs_diff(128) < 9);
         // From −z one looks at its back, which is not there.
-        assert!(color.texels[..VIEW_TEXELS].iter().all(|texel| texel[3] == 0));
+        assert!(color.texels[..width].iter().all(|texel| texel[3] == 0));
     }
 }

@@ -136,7 +136,7 @@ fn card(mesh: &mut Mesh, seat: &Seat, scale: f32, crown: &Crown, round: f32, fol
         seat.upper
     };
     let right = seat.along.cross(upper);
-    let shade = crown.shade(middle);
+    let shade = crown.shade(middle) * seat.tone;
     let grid = GRID as u32;
     let (column, row) = (seat.cell % grid, seat.cell / grid % grid);
     let mut corner = |across: f32, along: f32| {
@@ -177,6 +177,7 @@ mod tests {
                 upper: Vec3::Y,
                 length: 0.5,
                 cell: 3,
+                tone: 1.0,
             })
             .collect()
     }

@@ -56,6 +56,8 @@ pub struct Seat {
     pub length: f32,
     /// Which of the painted twigs it is.
     pub cell: u32,
+    /// How bright it is among its like, 0..=1.
+    pub tone: f32,
 }
 
 /// A plant without skin.

@@ -16,15 +16,15 @@ use crate::forge::texture::{bark::Bark, leaf::LeafShape, sprigs::Sprig};
 pub const OAK: Tree = Tree {
     name: "oak",
     growth: Growth::Space(Colony {
-        crown_base: 2.6,
+        crown_base: 2.3,
         height: 12.5,
-        crown_radius: 5.6,
-        widest: 0.42,
-        points: 1100,
+        crown_radius: 6.6,
+        widest: 0.36,
+        points: 1150,
         reach: 4.0,
         kill: 0.75,
         step: 0.34,
-        pipe: 2.35,
+        pipe: 2.12,
         twig_radius: 0.0125,
         lift: 0.02,
         wander: 0.22,
@@ -34,13 +34,13 @@ pub const OAK: Tree = Tree {
     foliage: Some(Foliage {
         sprig: Sprig::Leaves {
             shape: LeafShape::OAK,
-            length: 0.25,
-            count: 24,
+            length: 0.165,
+            count: 46,
         },
         habit: Habit::Spreading,
-        thinner_than: 0.024,
-        spacing: 0.34,
-        length: (0.74, 0.14),
+        thinner_than: 0.034,
+        spacing: 0.19,
+        length: (0.80, 0.14),
         angle: 50.0,
         round: 0.55,
         fold: 0.0,
@@ -94,8 +94,8 @@ pub const BIRCH: Tree = Tree {
     foliage: Some(Foliage {
         sprig: Sprig::Leaves {
             shape: LeafShape::BIRCH,
-            length: 0.13,
-            count: 46,
+            length: 0.115,
+            count: 60,
         },
         habit: Habit::Hanging,
         thinner_than: 0.010,
@@ -114,8 +114,8 @@ pub const BIRCH: Tree = Tree {
 pub const BEECH: Tree = Tree {
     name: "beech",
     growth: Growth::Parameters(Species {
-        shape: Shape::Spherical,
-        base_size: 0.16,
+        shape: Shape::TendFlame,
+        base_size: 0.15,
         scale: (13.5, 1.0),
         ratio: 0.0165,
         ratio_power: 1.35,
@@ -126,8 +126,8 @@ pub const BEECH: Tree = Tree {
             Level {
                 segments: 10,
                 curve: (0.0, 40.0),
-                splits: 0.12,
-                split_angle: (26.0, 8.0),
+                splits: 0.07,
+                split_angle: (20.0, 6.0),
                 ..Level::PLAIN
             },
             Level {
@@ -145,7 +145,7 @@ pub const BEECH: Tree = Tree {
                 down_angle: (48.0, 12.0),
                 rotate: (140.0, 30.0),
                 branches: 20.0,
-                length: (0.34, 0.08),
+                length: (0.40, 0.08),
                 segments: 4,
                 curve: (-10.0, 60.0),
                 ..Level::PLAIN
@@ -156,12 +156,12 @@ pub const BEECH: Tree = Tree {
     foliage: Some(Foliage {
         sprig: Sprig::Leaves {
             shape: LeafShape::BEECH,
-            length: 0.19,
-            count: 32,
+            length: 0.14,
+            count: 54,
         },
         habit: Habit::Spreading,
         thinner_than: 0.017,
-        spacing: 0.36,
+        spacing: 0.27,
         length: (0.72, 0.12),
         angle: 48.0,
         round: 0.5,
@@ -207,11 +207,11 @@ pub const SPRUCE: Tree = Tree {
         sprig: Sprig::Spray,
         habit: Habit::Flat,
         thinner_than: 0.022,
-        spacing: 0.17,
-        length: (0.80, 0.16),
+        spacing: 0.115,
+        length: (0.66, 0.12),
         angle: 52.0,
-        round: 0.35,
-        fold: -0.10,
+        round: 0.4,
+        fold: 0.0,
         thickness: 0.001,
         transmission: 0.12,
     }),
@@ -271,4 +271,88 @@ pub const PINE: Tree = Tree {
         transmission: 0.12,
     }),
     seeds: &[51, 52],
+};
+
+/// A standing dead tree: grey wood, few broken boughs.
+pub const DEAD_TREE: Tree = Tree {
+    name: "dead_tree",
+    growth: Growth::Parameters(Species {
+        shape: Shape::TaperedCylindrical,
+        base_size: 0.32,
+        scale: (8.5, 1.0),
+        ratio: 0.024,
+        ratio_power: 1.15,
+        flare: 0.8,
+        attraction_up: 0.0,
+        whorl: 0,
+        levels: &[
+            Level {
+                segments: 10,
+                curve: (0.0, 50.0),
+                taper: 0.75,
+                ..Level::PLAIN
+            },
+            Level {
+                down_angle: (66.0, -18.0),
+                rotate: (140.0, 40.0),
+                branches: 15.0,
+                length: (0.20, 0.13),
+                taper: 0.8,
+                segments: 6,
+                curve: (10.0, 120.0),
+                ..Level::PLAIN
+            },
+            Level {
+                down_angle: (50.0, 15.0),
+                rotate: (140.0, 40.0),
+                branches: 5.0,
+                length: (0.36, 0.2),
+                taper: 0.9,
+                segments: 4,
+                curve: (0.0, 100.0),
+                ..Level::PLAIN
+            },
+        ],
+    }),
+    bark: (Bark::Dead, Vec2::new(0.8, 1.6)),
+    foliage: None,
+    seeds: &[61, 62],
+};
+
+/// Hazel bush: many shoots from the ground.
+pub const BUSH: Tree = Tree {
+    name: "bush",
+    growth: Growth::Space(Colony {
+        crown_base: 0.12,
+        height: 1.9,
+        crown_radius: 1.15,
+        widest: 0.5,
+        points: 190,
+        reach: 1.6,
+        kill: 0.24,
+        step: 0.10,
+        pipe: 2.3,
+        twig_radius: 0.0042,
+        lift: 0.05,
+        wander: 0.25,
+        flare: 0.0,
+    }),
+    bark: (Bark::Beech, Vec2::new(0.3, 0.6)),
+    foliage: Some(Foliage {
+        sprig: Sprig::Leaves {
+            shape: LeafShape::HAZEL,
+            length: 0.21,
+            count: 26,
+        },
+        habit: Habit::Spreading,
+        thinner_than: 0.012,
+        spacing: 0.13,
+        length: (0.40, 0.08),
+        angle: 50.0,
+        round: 0.5,
+        fold: 0.0,
+        thickness: 0.000_2,
+        transmission: 0.4,
+    }),
+    seeds: &[71, 72],
 };

@@ -85,9 +85,9 @@ pub struct Tree {
 const LEVELS: [(WoodDetail, f32, f32); 3] = [
     (
         WoodDetail {
-            sides: 13.0,
-            thinnest: 0.010,
-            tolerance: 0.015,
+            sides: 12.0,
+            thinnest: 0.009,
+            tolerance: 0.03,
         },
         1.0,
         0.42,
@@ -163,10 +163,13 @@ fn grow(tree: &Tree, seed: u64) -> Skeleton {
     if let Some(foliage) = &tree.foliage {
         skeleton.seats = shuffled(seats(&skeleton, foliage, seed), seed);
     }
-    if let Some(trunk) = skeleton.stems.first_mut() {
+    // The trunk: where it forks, its other halves come before it.
+    for trunk in skeleton.stems.iter_mut().filter(|stem| stem.level == 0) {
         let mut foot = trunk.joints[0];
-        foot.at.y -= ROOT;
-        trunk.joints.insert(0, foot);
+        if foot.at.y <= 0.0 {
+            foot.at.y -= ROOT;
+            trunk.joints.insert(0, foot);
+        }
     }
     skeleton
 }
@@ -208,6 +211,12 @@ fn seats(skeleton: &Skeleton, foliage: &Foliage, seed: u64) -> Vec<Seat> {
     let mut dice = Dice::new(seed ^ 0x1eaf);
     let mut seats = Vec::new();
     for stem in &skeleton.stems {
+        // Short stems carry short twigs, so that tops are slender.
+        let size = (0.35 + 0.3 * stem.length() / foliage.length.0).min(1.0);
+        let foliage = &Foliage {
+            length: (foliage.length.0 * size, foliage.length.1 * size),
+            ..*foliage
+        };
         let mut wait = foliage.spacing * dice.unit();
         let mut number = dice.below(8);
         for pair in stem.joints.windows(2) {
@@ -252,7 +261,7 @@ fn seat(at: Vec3, stem: Vec3, number: u32, foliage: &Foliage, dice: &mut Dice) -
         Habit::Flat => {
             let side = if number % 2 == 0 { 1.0 } else { -1.0 };
             let flat = turn(stem, Vec3::Y, side * angle);
-            let droop = if number % 3 == 0 { 0.75 } else { 0.22 };
+            let droop = if number % 5 < 2 { 0.85 } else { 0.30 };
             let along = flat - Vec3::Y * droop + dice.in_ball() * 0.15;
             (along, Vec3::Y + dice.in_ball() * 0.75)
         }
@@ -275,5 +284,6 @@ fn seat(at: Vec3, stem: Vec3, number: u32, foliage: &Foliage, dice: &mut Dice) -
         upper,
         length: dice.about(foliage.length.0, foliage.length.1),
         cell: dice.below(4),
+        tone: dice.between(0.78, 1.0),
     }
 }

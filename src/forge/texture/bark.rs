@@ -53,20 +53,22 @@ impl Bark {
     }
 
     fn place(self, p: Vec2) -> Place {
-        let grain = octaves(91, p, (24, 24), 2);
+        let grain = octaves(91, p, (28, 36), 3);
         let patch = octaves(17, p, (2, 3), 3);
-        // Wandering sideways makes ridges interlace.
-        let wander = Vec2::new(0.06 * octaves(5, p, (3, 4), 2), 0.03 * octaves(6, p, (4, 4), 2));
-        let q = p + wander;
+        // Wandering sideways makes ridges interlace and plates irregular.
+        let wander = Vec2::new(octaves(5, p, (4, 6), 3), 0.5 * octaves(6, p, (4, 6), 3));
         match self {
             Self::Oak => {
-                let height = smooth(0.15, 0.95, ridges(11, q, (7, 2), 2) + 0.12 * grain);
+                let q = p + 0.14 * wander;
+                let ridge = smooth(0.35, 0.80, ridges(11, q, (8, 2), 1));
+                let step = smooth(0.25, 0.55, ridges(13, q + 0.05 * wander, (6, 7), 1));
+                let height = ridge * (0.55 + 0.45 * step) * (0.85 + 0.5 * grain);
                 let color = tint(
-                    [0.035, 0.026, 0.019],
-                    [0.19, 0.155, 0.12],
-                    height + 0.25 * patch + 0.2 * grain,
+                    [0.030, 0.022, 0.016],
+                    [0.21, 0.17, 0.13],
+                    0.9 * height + 0.35 * patch + 0.55 * grain,
                 );
-                let moss = smooth(0.12, 0.4, patch) * 0.45;
+                let moss = smooth(0.10, 0.4, patch) * 0.35 * height;
                 Place {
                     height,
                     color: color.lerp(Vec3::new(0.09, 0.10, 0.035), moss),
@@ -74,43 +76,54 @@ impl Bark {
             }
             Self::Birch => birch(p, grain, patch),
             Self::Pine => {
-                let plate = cells(23, q, (5, 6));
-                let edge = smooth(0.03, 0.3, plate.second - plate.nearest);
-                let flakes = 0.5 + 0.5 * octaves(29, p, (10, 30), 2);
-                let height = edge * (0.65 + 0.2 * plate.id + 0.25 * flakes);
-                let warm = tint([0.16, 0.075, 0.035], [0.33, 0.18, 0.095], plate.id + 0.4 * grain);
-                let color = Vec3::new(0.03, 0.02, 0.016).lerp(warm, edge * (0.6 + 0.5 * flakes));
+                let plate = cells(23, p + 0.13 * wander, (5, 5));
+                let edge = smooth(0.02, 0.34, plate.second - plate.nearest + 0.15 * grain);
+                let flakes = 0.5 + 0.8 * octaves(29, p + 0.05 * wander, (9, 22), 3);
+                let layers = (flakes * 4.0).floor() * 0.25;
+                let height = edge * (0.5 + 0.2 * plate.id + 0.35 * layers) + 0.1 * grain;
+                let warm = tint(
+                    [0.13, 0.062, 0.032],
+                    [0.36, 0.20, 0.11],
+                    0.6 * plate.id + 0.5 * flakes - 0.1 + 0.5 * grain,
+                );
+                let color = Vec3::new(0.028, 0.019, 0.015).lerp(warm, edge * (0.55 + 0.55 * layers));
                 Place { height, color }
             }
             Self::Spruce => {
-                let scale = cells(37, q, (12, 16));
-                let edge = smooth(0.02, 0.25, scale.second - scale.nearest);
-                let height = edge * (0.5 + 0.4 * scale.id) + 0.15 * grain + 0.2 * patch;
+                let scale = cells(37, p + 0.09 * wander, (9, 13));
+                let edge = smooth(0.0, 0.30, scale.second - scale.nearest + 0.35 * grain);
+                let height = edge * (0.45 + 0.45 * scale.id) + 0.3 * grain + 0.2 * patch;
                 let color = tint(
-                    [0.05, 0.036, 0.028],
-                    [0.185, 0.14, 0.115],
-                    0.2 + 0.55 * height + 0.4 * patch,
+                    [0.045, 0.032, 0.025],
+                    [0.20, 0.15, 0.12],
+                    0.15 + 0.5 * height + 0.5 * patch + 0.45 * grain,
                 );
                 Place { height, color }
             }
             Self::Beech => {
-                let furrow = smooth(0.0, 0.75, ridges(43, q, (6, 1), 3));
-                let height = 0.75 * furrow + 0.2 * grain;
+                let furrow = smooth(0.1, 0.7, ridges(43, p + 0.06 * wander, (6, 1), 3));
+                let wrinkle = smooth(0.75, 0.95, ridges(47, p + 0.04 * wander, (2, 24), 2));
+                let height = 0.6 * furrow + 0.35 * grain - 0.25 * wrinkle;
+                let pale = smooth(0.12, 0.3, octaves(49, p, (5, 8), 3));
                 let color = tint(
-                    [0.055, 0.047, 0.04],
-                    [0.20, 0.18, 0.155],
-                    0.15 + 0.65 * furrow + 0.5 * patch + 0.25 * grain,
+                    [0.055, 0.048, 0.042],
+                    [0.20, 0.185, 0.165],
+                    0.2 + 0.5 * furrow + 0.6 * patch + 0.4 * grain,
                 );
-                Place { height, color }
+                let color = color.lerp(Vec3::new(0.26, 0.27, 0.245), 0.5 * pale);
+                Place {
+                    height,
+                    color: color * (1.0 - 0.35 * wrinkle),
+                }
             }
             Self::Dead => {
-                let fibre = 0.5 + 0.5 * octaves(53, q, (32, 2), 3);
-                let crack = smooth(0.97, 0.86, ridges(59, q, (5, 1), 2));
-                let height = crack * (0.55 + 0.45 * fibre);
+                let fibre = 0.5 + 0.7 * octaves(53, p + 0.03 * wander, (34, 2), 3);
+                let crack = smooth(0.97, 0.84, ridges(59, p + 0.06 * wander, (5, 1), 2));
+                let height = crack * (0.5 + 0.5 * fibre) + 0.15 * grain;
                 let color = tint(
-                    [0.06, 0.05, 0.042],
-                    [0.29, 0.265, 0.235],
-                    height * 0.8 + 0.6 * patch + 0.15 * grain,
+                    [0.05, 0.042, 0.035],
+                    [0.30, 0.27, 0.24],
+                    height * 0.8 + 0.6 * patch + 0.3 * grain,
                 );
                 Place { height, color }
             }
@@ -159,11 +172,11 @@ fn tint(dark: [f32; 3], light: [f32; 3], t: f32) -> Vec3 {
 
 fn birch(p: Vec2, grain: f32, patch: f32) -> Place {
     // Cross marks: short dark lines around the trunk, each in its own cell.
-    let mark = cells(61, p + Vec2::new(0.02 * patch, 0.0), (4, 26));
-    let line = smooth(0.16, 0.07, mark.nearest) * smooth(0.35, 0.5, mark.id);
+    let mark = cells(61, p + Vec2::new(0.02 * patch, 0.0), (3, 40));
+    let line = smooth(0.30 * mark.id, 0.15 * mark.id, mark.nearest + 0.1 * grain) * smooth(0.25, 0.4, mark.id);
     let fine = smooth(0.35, 0.55, octaves(67, p, (6, 60), 2)) * 0.35;
     let crack_field = ridges(71, p + Vec2::new(0.05 * patch, 0.02 * grain), (3, 3), 2);
-    let crack = smooth(0.80, 0.93, crack_field) * smooth(-0.02, 0.2, octaves(73, p, (2, 2), 2));
+    let crack = smooth(0.74, 0.90, crack_field + 0.15 * grain) * smooth(0.0, 0.16, octaves(73, p, (2, 2), 2));
     let paper = tint([0.52, 0.47, 0.41], [0.74, 0.71, 0.66], 0.6 + 0.9 * patch + 0.3 * grain);
     let dark = Vec3::new(0.045, 0.038, 0.034);
     let color = paper

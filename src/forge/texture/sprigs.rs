@@ -95,15 +95,15 @@ fn leaves(canvas: &mut Canvas, cell: usize, shape: LeafShape, length: f32, count
     // Side twigs first, so that leaves lie over them.
     let mut seats: Vec<(Vec2, f32)> = Vec::new();
     let mut side = if dice.unit() < 0.5 { 1.0 } else { -1.0 };
-    for seat in [2, 3, 4, 5, 6] {
+    for seat in [1, 2, 3, 4, 5, 6] {
         let (at, angle) = main[seat];
-        let reach = mix(0.40, 0.2, seat as f32 / 8.0) * dice.between(0.8, 1.1);
-        let points = twig(at, angle + side * dice.between(0.75, 1.1), -side * 0.45, reach, 4);
+        let reach = mix(0.52, 0.2, seat as f32 / 8.0) * dice.between(0.8, 1.1);
+        let points = twig(at, angle + side * dice.between(0.75, 1.05), -side * 0.40, reach, 4);
         draw_twig(canvas, cell, &points, 0.009, TWIG);
         seats.extend(points[1..].iter().copied());
         side = -side;
     }
-    seats.extend(main[3..].iter().copied());
+    seats.extend(main[2..].iter().copied());
     for i in 0..count {
         let (at, angle) = seats[i as usize % seats.len()];
         let side = if i % 2 == 0 { 1.0 } else { -1.0 };
