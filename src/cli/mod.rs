@@ -1,9 +1,10 @@
-//! The command line: `play`, `shoot`, `judge`, `list`.
+//! The command line: `play`, `shoot`, `judge`, `forge`, `list`.
 //!
 //! Exit codes: 0 done; 1 could not do it, with one sentence on stderr; 2 wrong arguments. Pictures and tables are the
 //! result: what goes to stdout is one line per result, everything else goes to stderr.
 
 pub mod args;
+mod forge;
 pub mod headless;
 mod judge;
 mod list;
@@ -79,6 +80,7 @@ fn run(args: Args) -> Result<(), Failure> {
         Some(Command::Play(play_args)) => play::run(assets, &play_args),
         Some(Command::Shoot(shoot_args)) => shoot::run(assets, &shoot_args),
         Some(Command::Judge(judge_args)) => judge::run(assets, &judge_args),
+        Some(Command::Forge(forge_args)) => forge::run(assets, &forge_args),
         Some(Command::List { what }) => list::run(assets, &what),
     }
 }

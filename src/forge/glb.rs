@@ -34,7 +34,7 @@ const CHUNK_HEADER_BYTES: usize = 8;
 /// The bytes of the file.
 ///
 /// # Panics
-/// With more than 4 GiB of data, or numbers that are not finite in places where JSON needs them.
+/// With more than 4 GiB of data.
 pub fn bytes(model: &Model) -> Vec<u8> {
     let mut file = File::default();
     file.pictures(model);

@@ -1,4 +1,30 @@
-//! Assets from code.
+//! Assets from code: trees, undergrowth, rocks and dead wood as binary glTF files.
+//!
+//! Everything follows from seeds and constants by portable arithmetic ([`portable`]): the same bytes on every machine,
+//! without a GPU. The files are committed; `umbrage forge --check` compares.
+//!
+//! ```text
+//! growth model ──► stems, seats of leaves ──► tubes, cards: levels 0, 1, 2 ──► views: the impostor, level 3 ──► .glb
+//! plant/{weber_penn, colonise}   plant/skeleton   plant/{tubes, crown}           bake/impostor                   glb
+//! ```
+//!
+//! | file | what | by |
+//! |---|---|---|
+//! | oak, bush | broad crowns | space colonisation, Runions et al. 2007 ([`plant::colonise`]) |
+//! | birch, beech, spruce, pine, `dead_tree` | parametric trees | Weber and Penn 1995 ([`plant::weber_penn`]) |
+//! | fern, grass | strips with painted fronds and blades | [`ground::herbs`] |
+//! | rock | icospheres cut by planes | [`ground::rock`] |
+//! | deadwood | a stump, a log | [`ground::deadwood`] |
+//!
+//! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
+//! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
+//!
+//! ```
+//! use umbrage::forge;
+//!
+//! let fern = forge::assets().iter().find(|asset| asset.name == "fern").unwrap();
+//! assert_eq!(&fern.forge()[..4], b"glTF");
+//! ```
 
 pub mod bake;
 pub mod glb;

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod failures;
+mod forge;
 mod glb;
 mod judge;
 mod pictures;

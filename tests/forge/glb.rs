@@ -143,9 +143,9 @@ fn materials_come_back_as_they_went() {
     assert_eq!(surface.base_color_factor(), [1.0, 0.5, 0.25, 1.0]);
     assert_eq!((surface.metallic_factor(), surface.roughness_factor()), (0.0, 0.9));
     assert!(surface.base_color_texture().is_some() && leaf.normal_texture().is_some());
-    let volume = leaf.extension_value("KHR_materials_volume").expect("thickness");
-    assert_eq!(volume["thicknessFactor"], 0.25);
-    assert_eq!(volume["thicknessTexture"]["index"], 0);
+    let volume = leaf.volume().expect("thickness");
+    assert_eq!(volume.thickness_factor(), 0.25);
+    assert_eq!(volume.thickness_texture().map(|info| info.texture().index()), Some(0));
     let transmission = leaf
         .extension_value("KHR_materials_diffuse_transmission")
         .expect("transmission");

@@ -29,8 +29,8 @@ const BLOCK: f32 = 8.0;
 const OVERSAMPLING: usize = 4;
 /// Steps of channels in the file.
 const COLOR_LEVELS: u32 = 40;
-const NORMAL_LEVELS: u32 = 16;
-const DEPTH_LEVELS: u32 = 16;
+const NORMAL_LEVELS: u32 = 24;
+const DEPTH_LEVELS: u32 = 24;
 /// Alpha below this is not there.
 const CUTOFF: f32 = 0.5;
 
@@ -203,17 +203,19 @@ fn pictures(texels: &[Texel], width: usize, name: &str) -> [Picture; 2] {
             .map(|c| quantised(f32::from(srgb_code(c)) / 255.0, COLOR_LEVELS));
         [r, g, b, quantised(alpha, 16)]
     });
-    let normal = Picture::from_fn(
-        &format!("{name}_view_normals"),
-        width,
-        height,
-        Channels::Rgba,
-        |x, y| {
-            let i = y * width + x;
-            let [r, g, b] = normals[i].0.to_array().map(|c| quantised(0.5 + 0.5 * c, NORMAL_LEVELS));
-            [r, g, b, quantised(0.5 + 0.5 * texels[i].depth, DEPTH_LEVELS)]
-        },
-    );
+    // Normals and depth vary slowly: half the resolution.
+    let normal_name = format!("{name}_view_normals");
+    let normal = Picture::from_fn(&normal_name, width / 2, height / 2, Channels::Rgba, |x, y| {
+        let (mut normal, mut depth) = (Vec3::ZERO, 0.0);
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let i = (2 * y + dy) * width + 2 * x + dx;
+            normal += normals[i].0;
+            depth += texels[i].depth * 0.25;
+        }
+        let normal = normal.normalize_or(Vec3::Z);
+        let [r, g, b] = normal.to_array().map(|c| quantised(0.5 + 0.5 * c, NORMAL_LEVELS));
+        [r, g, b, quantised(0.5 + 0.5 * depth, DEPTH_LEVELS)]
+    });
     [color, normal]
 }
 
@@ -307,7 +309,7 @@ mod tests {
         let share = covered as f32 / (width * height) as f32;
         assert!((share - 0.5_f32.sqrt()).abs() < 0.02, "{share}");
         assert_eq!(texel(color, width / 2, height / 2), [0, 255, 0, 255]);
-        let [x, y, z, depth] = texel(normal, width / 2, height / 2);
+        let [x, y, z, depth] = normal.nearest(Vec2::splat(0.9)).expect("a texel");
         assert!(x.abs_diff(128) < 9 && y.abs_diff(128) < 9 && z == 255 && depth.abs_diff(128) < 9);
         // From −z one looks at its back, which is not there.
         assert!(color.texels[..width].iter().all(|texel| texel[3] == 0));

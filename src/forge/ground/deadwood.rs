@@ -122,11 +122,7 @@ fn log(sides: u32) -> [Mesh; 2] {
     let mut first = mesh.vertices[..=sides as usize].to_vec();
     first.reverse();
     face(&mut faces, &first, Vec3::NEG_X);
-    face(
-        &mut faces,
-        &mesh.vertices[count - 1 - sides as usize..].to_vec(),
-        Vec3::X,
-    );
+    face(&mut faces, &mesh.vertices[count - 1 - sides as usize..], Vec3::X);
     for vertex in &mut mesh.vertices {
         // Darker where it touches the ground.
         vertex.shade = shade(vertex.position);
@@ -142,6 +138,7 @@ fn log(sides: u32) -> [Mesh; 2] {
     .collect();
     let detail = WoodDetail {
         sides: sides as f32 * 0.6,
+        reference: 0.2,
         thinnest: 0.0,
         tolerance: 0.0,
     };

@@ -1,5 +1,7 @@
 //! Rocks: icospheres cut by planes and roughened, with creases kept sharp.
 
+use std::collections::BTreeMap;
+
 use bevy_math::{Vec2, Vec3};
 
 use crate::forge::{
@@ -7,15 +9,15 @@ use crate::forge::{
     portable::{Dice, mix, smooth, srgb_code},
     texture::{
         bark::normal_code,
-        noise::{cells, octaves, ridges},
+        noise::{cells, octaves},
         picture::{Channels, Picture, quantised},
     },
 };
 
 /// Faces that meet at a greater angle keep a crease: its cosine.
 const CREASE: f32 = 0.80;
-/// Metres per picture.
-const TILE: f32 = 1.6;
+/// Size of the picture as a share of a rock's length.
+const TILE: f32 = 0.7;
 const SIDE: usize = 256;
 
 /// Three rocks: a stone, a block, a boulder.
@@ -33,7 +35,7 @@ pub fn forge() -> Model {
         ("rock_medium", 102, Vec3::new(0.85, 0.62, 0.70)),
         ("rock_large", 103, Vec3::new(2.1, 1.5, 1.7)),
     ] {
-        let lods = [(4, 0.4), (3, 0.15), (2, 0.05), (1, 0.0)].map(|(steps, screen_coverage)| Lod {
+        let lods = [(3, 0.25), (2, 0.08), (1, 0.0)].map(|(steps, screen_coverage)| Lod {
             parts: vec![Part {
                 mesh: rock(seed, size, steps),
                 material,
@@ -55,22 +57,31 @@ fn rock(seed: u64, size: Vec3, steps: u32) -> Mesh {
         .map(|_| (dice.in_ball().normalize_or(Vec3::Y), dice.between(0.62, 0.92)))
         .collect();
     let (directions, faces) = icosphere(steps);
+    let cut = |direction: Vec3| {
+        planes
+            .iter()
+            .map(|(normal, distance)| (normal.dot(direction), distance, *normal))
+            .filter(|(facing, ..)| *facing > 0.05)
+            .map(|(facing, distance, normal)| (distance / facing, normal))
+            .fold(
+                (1.0, direction),
+                |nearest, found| if found.0 < nearest.0 { found } else { nearest },
+            )
+    };
     let points: Vec<Vec3> = directions
         .iter()
         .map(|direction| {
-            let cut = planes
-                .iter()
-                .map(|(normal, distance)| (normal.dot(*direction), distance))
-                .filter(|(facing, _)| *facing > 0.05)
-                .map(|(facing, distance)| distance / facing)
-                .fold(1.0, f32::min);
             let rough = 0.05 * noise(seed, *direction * 3.0) + 0.022 * noise(seed + 1, *direction * 9.0);
-            *direction * (cut + rough) * size + Vec3::Y * (size.y * 0.30)
+            *direction * (cut(*direction).0 + rough) * size + Vec3::Y * (size.y * 0.30)
         })
         .collect();
-    creased(&points, &faces, &|p: Vec3| {
-        mix(0.6, 1.0, smooth(0.0, 0.45 * size.y, p.y))
-    })
+    // A cut's faces show the picture from one side, so that its seams are at the edges of the cut.
+    let sides: Vec<Vec3> = faces
+        .iter()
+        .map(|[a, b, c]| cut((directions[*a] + directions[*b] + directions[*c]).normalize()).1)
+        .collect();
+    let shade = |p: Vec3| mix(0.6, 1.0, smooth(0.0, 0.45 * size.y, p.y));
+    creased(&points, &faces, &sides, TILE * 2.0 * size.x, &shade)
 }
 
 /// Unit vectors and triangles of a subdivided icosahedron.
@@ -110,7 +121,7 @@ fn icosphere(steps: u32) -> (Vec<Vec3>, Vec<[usize; 3]>) {
         [9, 8, 1],
     ];
     for _ in 0..steps {
-        let mut middles = std::collections::BTreeMap::new();
+        let mut middles = BTreeMap::new();
         let mut finer = Vec::with_capacity(faces.len() * 4);
         for [a, b, c] in faces {
             let mut middle = |from: usize, to: usize| {
@@ -127,8 +138,9 @@ fn icosphere(steps: u32) -> (Vec<Vec3>, Vec<[usize; 3]>) {
     (points, faces)
 }
 
-/// Triangles with smooth normals, except over creases; texture coordinates by projection along the nearest axis.
-fn creased(points: &[Vec3], faces: &[[usize; 3]], shade: &dyn Fn(Vec3) -> f32) -> Mesh {
+/// Triangles with smooth normals, except over creases. The picture, `tile` metres wide, is projected on each triangle
+/// along the axis that is nearest to its direction in `sides`.
+fn creased(points: &[Vec3], faces: &[[usize; 3]], sides: &[Vec3], tile: f32, shade: &dyn Fn(Vec3) -> f32) -> Mesh {
     let face_normals: Vec<Vec3> = faces
         .iter()
         .map(|[a, b, c]| {
@@ -148,11 +160,12 @@ fn creased(points: &[Vec3], faces: &[[usize; 3]], shade: &dyn Fn(Vec3) -> f32) -
         shades: true,
         ..Mesh::default()
     };
-    let mut known = std::collections::BTreeMap::new();
+    let mut known = BTreeMap::new();
     for (face, corners) in faces.iter().enumerate() {
         let own = face_normals[face];
         // Which way the picture is projected, and on which side.
-        let size = own.abs();
+        let side = sides[face];
+        let size = side.abs();
         let axis = if size.y >= size.x && size.y >= size.z {
             1
         } else if size.x >= size.z {
@@ -160,7 +173,7 @@ fn creased(points: &[Vec3], faces: &[[usize; 3]], shade: &dyn Fn(Vec3) -> f32) -
         } else {
             2
         };
-        let (right, up) = projection(axis, own[axis] >= 0.0);
+        let (right, up) = projection(axis, side[axis] >= 0.0);
         for corner in corners {
             let normal = around[*corner]
                 .iter()
@@ -168,13 +181,13 @@ fn creased(points: &[Vec3], faces: &[[usize; 3]], shade: &dyn Fn(Vec3) -> f32) -
                 .filter(|other| other.dot(own) > CREASE)
                 .sum::<Vec3>()
                 .normalize_or(own);
-            let key = (*corner, axis, own[axis] >= 0.0, normal.to_array().map(f32::to_bits));
+            let key = (*corner, axis, side[axis] >= 0.0, normal.to_array().map(f32::to_bits));
             let index = *known.entry(key).or_insert_with(|| {
                 let p = points[*corner];
                 mesh.push(Vertex {
                     position: p,
                     normal,
-                    uv: Vec2::new(p.dot(right), -p.dot(up)) / TILE,
+                    uv: Vec2::new(p.dot(right), -p.dot(up)) / tile,
                     tangent: (right - normal * normal.dot(right)).normalize_or(right),
                     shade: shade(p),
                 })
@@ -221,7 +234,8 @@ fn pictures() -> [Picture; 2] {
         let wander = Vec2::new(octaves(3, p, (4, 4), 3), octaves(4, p, (4, 4), 3));
         let grain = octaves(5, p, (40, 40), 2);
         let patch = octaves(6, p, (3, 3), 4);
-        let crack = smooth(0.90, 0.99, ridges(7, p + 0.10 * wander, (3, 3), 1));
+        let joint = cells(7, p + 0.16 * wander, (2, 2));
+        let crack = smooth(0.045, 0.01, joint.second - joint.nearest + 0.12 * grain.abs()) * smooth(-0.05, 0.12, patch);
         let speckle = cells(8, p, (48, 48)).id;
         let height = 0.5 + 0.6 * patch + 0.35 * grain - 0.5 * crack;
         let gray = Vec3::new(0.052, 0.050, 0.047).lerp(
@@ -282,7 +296,11 @@ mod tests {
             .iter()
             .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
             .collect();
-        let mesh = creased(&points, &faces, &|_| 1.0);
+        let sides: Vec<Vec3> = faces
+            .iter()
+            .map(|[a, b, c]| (points[*b] - points[*a]).cross(points[*c] - points[*a]))
+            .collect();
+        let mesh = creased(&points, &faces, &sides, 1.0, &|_| 1.0);
         assert_eq!(mesh.vertices.len(), 24, "four per side");
         for vertex in &mesh.vertices {
             assert_eq!(vertex.normal.abs().max_element(), 1.0);

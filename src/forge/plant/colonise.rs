@@ -3,7 +3,7 @@
 //!
 //! Attraction points fill the crown's volume. In each step every point pulls at the nearest node within its reach; nodes
 //! that are pulled grow by one step in the mean direction; points that a branch has come near to are removed. Radii follow
-//! the pipe model (section 3, r^n = Σ r_child^n).
+//! the pipe model (section 3, `r^n = Σ r_child^n`).
 
 use bevy_math::Vec3;
 
@@ -23,9 +23,9 @@ pub struct Colony {
     pub widest: f32,
     /// Attraction points N.
     pub points: u32,
-    /// Radius of influence d_i.
+    /// Radius of influence `d_i`.
     pub reach: f32,
-    /// Kill distance d_k.
+    /// Kill distance `d_k`.
     pub kill: f32,
     /// Length of a step D.
     pub step: f32,
@@ -47,6 +47,9 @@ struct Node {
     children: u32,
 }
 
+/// Clumps of leaves in a crown, and their radius as a share of the crown's.
+const CLUMPS: u32 = 26;
+const CLUMP_RADIUS: f32 = 0.33;
 /// Most steps that are taken; crowns are full long before.
 const MOST_STEPS: u32 = 400;
 
@@ -65,11 +68,17 @@ fn crown(colony: &Colony, dice: &mut Dice) -> Vec<Vec3> {
     let lumps: Vec<(Vec3, f32)> = (0..9)
         .map(|_| (dice.in_ball().normalize_or(Vec3::X), dice.between(-0.22, 0.16)))
         .collect();
+    // Leaves gather in clumps with gaps between them.
+    let clumps: Vec<Vec3> = (0..CLUMPS)
+        .map(|_| dice.in_ball().normalize_or(Vec3::Y) * dice.between(0.45, 0.9))
+        .collect();
     let mut points = Vec::new();
     while points.len() < colony.points as usize {
         let p = dice.in_ball();
-        // Points gather in the outer shell, where the light is.
-        if dice.unit() > 0.25 + 0.75 * p.length() {
+        let in_clump = clumps.iter().any(|clump| clump.distance(p) < CLUMP_RADIUS);
+        // And in the outer shell, where the light is.
+        let chance = (0.25 + 0.75 * p.length()) * if in_clump { 1.0 } else { 0.16 };
+        if dice.unit() > chance {
             continue;
         }
         let direction = p.normalize_or(Vec3::Y);

@@ -79,7 +79,7 @@ impl Crown {
 
     /// Factor on the base colour for the light that the crown keeps off.
     pub fn shade(&self, at: Vec3) -> f32 {
-        mix(0.5, 1.0, smooth(0.0, 0.9, self.openness(at)))
+        mix(0.66, 1.0, smooth(0.0, 0.9, self.openness(at)))
     }
 
     /// Away from the middle of the crown, a unit vector.

@@ -81,12 +81,15 @@ pub struct Tree {
     pub seeds: &'static [u64],
 }
 
-/// Wood and share of leaves in levels 0, 1, 2; level 3 is the impostor.
+/// Height of the tree that [`LEVELS`] are meant for, in metres.
+const REFERENCE_HEIGHT: f32 = 12.0;
+/// Wood, share of leaves and height on the screen in levels 0, 1, 2; level 3 is the impostor.
 const LEVELS: [(WoodDetail, f32, f32); 3] = [
     (
         WoodDetail {
             sides: 12.0,
-            thinnest: 0.009,
+            reference: 0.2,
+            thinnest: 0.010,
             tolerance: 0.03,
         },
         1.0,
@@ -95,19 +98,21 @@ const LEVELS: [(WoodDetail, f32, f32); 3] = [
     (
         WoodDetail {
             sides: 7.0,
-            thinnest: 0.022,
+            reference: 0.2,
+            thinnest: 0.030,
             tolerance: 0.05,
         },
-        0.5,
+        0.42,
         0.18,
     ),
     (
         WoodDetail {
             sides: 5.0,
-            thinnest: 0.05,
+            reference: 0.2,
+            thinnest: 0.07,
             tolerance: 0.14,
         },
-        0.18,
+        0.14,
         0.07,
     ),
 ];
@@ -176,6 +181,9 @@ fn grow(tree: &Tree, seed: u64) -> Skeleton {
 
 fn levels(tree: &Tree, skeleton: &Skeleton, bark: usize, leaves: Option<usize>) -> Vec<Lod> {
     let crown = Crown::new(&skeleton.seats);
+    let joints = skeleton.stems.iter().flat_map(|stem| &stem.joints);
+    let height = joints.map(|joint| joint.at.y).fold(0.1, f32::max);
+    let size = (height / REFERENCE_HEIGHT).min(1.0);
     let shade = |at: Vec3| {
         if skeleton.seats.is_empty() {
             1.0
@@ -188,7 +196,7 @@ fn levels(tree: &Tree, skeleton: &Skeleton, bark: usize, leaves: Option<usize>) 
         .enumerate()
         .map(|(level, (detail, share, screen_coverage))| {
             let mut parts = vec![Part {
-                mesh: skin(&skeleton.stems, detail, tree.bark.1, &shade),
+                mesh: skin(&skeleton.stems, &detail.scaled(size), tree.bark.1, &shade),
                 material: bark,
             }];
             if let (Some(foliage), Some(material)) = (&tree.foliage, leaves) {
@@ -198,6 +206,7 @@ fn levels(tree: &Tree, skeleton: &Skeleton, bark: usize, leaves: Option<usize>) 
                     material,
                 });
             }
+            parts.retain(|part| part.mesh.triangle_count() > 0);
             Lod {
                 parts,
                 screen_coverage: *screen_coverage,
@@ -259,7 +268,7 @@ fn seat(at: Vec3, stem: Vec3, number: u32, foliage: &Foliage, dice: &mut Dice) -
             (along, Vec3::Y * 0.75 + dice.in_ball() * 0.95)
         }
         Habit::Flat => {
-            let side = if number % 2 == 0 { 1.0 } else { -1.0 };
+            let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
             let flat = turn(stem, Vec3::Y, side * angle);
             let droop = if number % 5 < 2 { 0.85 } else { 0.30 };
             let along = flat - Vec3::Y * droop + dice.in_ball() * 0.15;

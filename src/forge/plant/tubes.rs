@@ -11,16 +11,28 @@ use crate::forge::{
 /// How finely stems are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WoodDetail {
-    /// Sides of a tube of 20 cm radius; thinner ones have fewer, at least three.
+    /// Sides of a tube of [`WoodDetail::reference`]; thinner ones have fewer, at least three.
     pub sides: f32,
+    /// Radius of a thick trunk, in metres.
+    pub reference: f32,
     /// Stems whose base is thinner are left out, in metres.
     pub thinnest: f32,
     /// How far the axis may be off where joints are left out, in metres.
     pub tolerance: f32,
 }
 
-/// The radius that [`WoodDetail::sides`] speaks of, in metres.
-const REFERENCE_RADIUS: f32 = 0.2;
+impl WoodDetail {
+    /// The same for a plant of another size.
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        Self {
+            sides: self.sides,
+            reference: self.reference * factor,
+            thinnest: self.thinnest * factor,
+            tolerance: self.tolerance * factor,
+        }
+    }
+}
 
 /// Tubes around stems. `tile` is the size of the bark's picture in metres, across and along; `shade` gives the vertex
 /// colours.
@@ -44,15 +56,17 @@ pub fn skin(stems: &[Stem], detail: &WoodDetail, tile: Vec2, shade: &dyn Fn(Vec3
     reason = "clamped to 3..=32"
 )]
 fn sides(radius: f32, detail: &WoodDetail) -> u32 {
-    (detail.sides * (radius / REFERENCE_RADIUS).sqrt() + 0.5).clamp(3.0, 32.0) as u32
+    (detail.sides * (radius / detail.reference).sqrt() + 0.5).clamp(3.0, 32.0) as u32
 }
+
+/// How much more a wrong radius counts than a wrong place: outlines of trunks show it.
+const RADIUS_WEIGHT: f32 = 2.5;
 
 /// Joints without those that are near to the line between their neighbours (Ramer 1972, Douglas and Peucker 1973); radii
 /// count too.
 pub fn simplified(joints: &[Joint], tolerance: f32) -> Vec<Joint> {
     let mut kept = vec![false; joints.len()];
-    if let (Some(first), Some(last)) = (kept.first().copied(), kept.len().checked_sub(1)) {
-        debug_assert!(!first, "nothing is kept yet");
+    if let Some(last) = kept.len().checked_sub(1) {
         kept[0] = true;
         kept[last] = true;
         split(joints, 0, last, tolerance, &mut kept);
@@ -73,7 +87,7 @@ fn split(joints: &[Joint], from: usize, to: usize, tolerance: f32, kept: &mut [b
         let t = ((joint.at - a.at).dot(along) / along.length_squared().max(1e-9)).clamp(0.0, 1.0);
         let off_axis = joint.at.distance(a.at + along * t);
         let off_radius = (joint.radius - (a.radius + (b.radius - a.radius) * t)).abs();
-        let off = off_axis.max(off_radius);
+        let off = off_axis.max(off_radius * RADIUS_WEIGHT);
         if off > worst.0 {
             worst = (off, i);
         }
@@ -162,9 +176,13 @@ mod tests {
     fn a_straight_pole_needs_two_joints() {
         assert_eq!(simplified(&pole(), 0.01).len(), 2);
         let mut bent = pole();
-        bent[2].at.x = 0.3;
-        assert_eq!(simplified(&bent, 0.1).len(), 3);
+        for (joint, x) in bent.iter_mut().zip([0.0, 0.15, 0.3, 0.15, 0.0]) {
+            joint.at.x = x;
+        }
         assert_eq!(simplified(&bent, 0.01).len(), 3, "both halves are straight");
+        assert_eq!(simplified(&bent, 0.31).len(), 2, "coarse enough");
+        bent[1].radius = 0.3;
+        assert_eq!(simplified(&bent, 0.05).len(), 4, "radii count too");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::forge::portable::{mix, smooth, srgb_code};
 const SIZE: (usize, usize) = (256, 512);
 /// Steps per channel: fewer make smaller files, the noise hides them.
 const COLOR_LEVELS: u32 = 52;
-const NORMAL_LEVELS: u32 = 64;
+const NORMAL_LEVELS: u32 = 28;
 
 /// Kinds of bark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -215,6 +215,6 @@ mod tests {
     #[test]
     fn a_flat_normal_is_the_middle_of_the_code() {
         let [x, y, z, _] = normal_code(Vec3::Z);
-        assert!(x.abs_diff(128) <= 2 && y.abs_diff(128) <= 2 && z == 255, "{x} {y} {z}");
+        assert!(x.abs_diff(128) <= 5 && y.abs_diff(128) <= 5 && z == 255, "{x} {y} {z}");
     }
 }

@@ -83,7 +83,11 @@ impl Picture {
     /// Never with texels in memory: there is no I/O, and sizes fit.
     pub fn png(&self) -> Vec<u8> {
         let kept = self.channels.count();
-        let bytes: Vec<u8> = self.texels.iter().flat_map(|texel| texel[..kept].to_vec()).collect();
+        let bytes: Vec<u8> = self
+            .texels
+            .iter()
+            .flat_map(|texel| texel.iter().take(kept).copied())
+            .collect();
         let color = match self.channels {
             Channels::Gray => ExtendedColorType::L8,
             Channels::Rgb => ExtendedColorType::Rgb8,

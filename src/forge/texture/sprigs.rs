@@ -106,7 +106,7 @@ fn leaves(canvas: &mut Canvas, cell: usize, shape: LeafShape, length: f32, count
     seats.extend(main[2..].iter().copied());
     for i in 0..count {
         let (at, angle) = seats[i as usize % seats.len()];
-        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let own = length * dice.between(0.75, 1.15);
         let direction = up_turned(angle + side * dice.between(0.25, 1.25)) * own;
         let stalk = at + Vec2::new(dice.signed(), dice.signed()) * 0.012;
@@ -155,9 +155,8 @@ fn spray(canvas: &mut Canvas, cell: usize, dice: &mut Dice) {
         12,
     );
     let mut sides = Vec::new();
-    for seat in 1..12 {
+    for (seat, (at, angle)) in main.iter().copied().enumerate().take(12).skip(1) {
         for side in [-1.0, 1.0] {
-            let (at, angle) = main[seat];
             let share = seat as f32 / 12.0;
             // Longest in the lower third.
             let reach = 0.46 * sin(TURN * 0.5 * (0.16 + 0.80 * share)) * dice.between(0.75, 1.1);
@@ -216,8 +215,7 @@ fn tufts(canvas: &mut Canvas, cell: usize, dice: &mut Dice) {
 fn frond(canvas: &mut Canvas, cell: usize, dice: &mut Dice) {
     let green = Vec3::new(0.085, 0.185, 0.030);
     let main = twig(Vec2::new(0.5, 0.0), 0.0, dice.about(0.0, 0.2), 0.97, 24);
-    for seat in 3..24 {
-        let (at, angle) = main[seat];
+    for (seat, (at, angle)) in main.iter().copied().enumerate().take(24).skip(3) {
         let share = seat as f32 / 24.0;
         let reach = 0.42 * (1.0 - share) * (0.55 + 1.9 * share).min(1.0) + 0.015;
         for side in [-1.0, 1.0] {
