@@ -4,6 +4,7 @@
 //!
 //! ```text
 //! cli ──► demo ──► ui, plot ──► level ──► render ──► shadow ──► maths
+//!  └────────────────────────────────────────────► forge (on its own)
 //! ```
 //!
 //! | room | what it is | needs feature |
@@ -11,12 +12,15 @@
 //! | [`maths`] | intersection bodies, splits, warps, fits, footprints: values in, values out | none |
 //! | [`shadow`] | main-world ECS: settings, scene bounds, light views, the drop-in path, gizmos | `render` |
 //! | [`render`] | render world: caster phase, shadow atlas, shadow result texture, bridge into Bevy | `render` |
+//! | [`forge`] | assets from code: trees, undergrowth, rocks as glTF files; no GPU | `forge` |
 //! | [`level`] | levels: `.level.ron` assets, generators of forest, city and rooms | `demo` |
 //! | [`ui`] | head-up display, help, menus | `demo` |
 //! | [`plot`] | figures: curves and bars as pixels | `demo` |
 //! | [`demo`] | the playable demo: screens, walker, sun controls | `demo` |
-//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `bench`, `list` | `demo` |
+//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `bench`, `forge`, `list` | `demo` |
 
+#[cfg(feature = "forge")]
+pub mod forge;
 pub mod maths;
 
 #[cfg(feature = "render")]

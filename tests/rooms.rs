@@ -9,10 +9,10 @@ use std::{fs, path::Path};
 /// Rooms from the ground floor up. A room may import from those on lower floors; rooms on one floor are strangers.
 const FLOORS: &[&[&str]] = &[
     &["maths"],
-    &["shadow", "lod", "shaders"],
+    &["shadow", "lod", "shaders", "forge"],
     &["render"],
     &["level"],
-    &["ui", "forge", "plot"],
+    &["ui", "plot"],
     &["demo"],
     &["cli"],
 ];

@@ -39,6 +39,8 @@ pub enum Command {
     Judge(Judge),
     /// Measure what techniques cost along a camera path: a table, bench.json, bench.csv and plots
     Bench(Bench),
+    /// Rebuild the models in assets/models from code
+    Forge(Forge),
     /// Say what there is
     List {
         /// What to list
@@ -168,6 +170,20 @@ pub struct Bench {
     /// Where the files go
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+}
+
+/// Arguments of `forge`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, ClapArgs)]
+pub struct Forge {
+    /// Only the asset of this name; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub only: Vec<String>,
+    /// Write nothing there: compare the files with what the code makes, byte for byte
+    #[arg(long)]
+    pub check: bool,
+    /// Also draw pictures of all levels of detail into this folder
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
 }
 
 /// What `list` lists.

@@ -1,10 +1,11 @@
-//! The command line: `play`, `shoot`, `judge`, `bench`, `list`.
+//! The command line: `play`, `shoot`, `judge`, `bench`, `forge`, `list`.
 //!
 //! Exit codes: 0 done; 1 could not do it, with one sentence on stderr; 2 wrong arguments. Pictures and tables are the
 //! result: what goes to stdout is one line per result, everything else goes to stderr.
 
 pub mod args;
 mod bench;
+mod forge;
 pub mod headless;
 mod judge;
 mod list;
@@ -83,6 +84,7 @@ fn run(args: Args) -> Result<(), Failure> {
         Some(Command::Judge(judge_args)) if judge_args.stability.along.is_empty() => judge::run(assets, &judge_args),
         Some(Command::Judge(judge_args)) => stability::run(assets, &judge_args),
         Some(Command::Bench(bench_args)) => bench::run(assets, &bench_args),
+        Some(Command::Forge(forge_args)) => forge::run(assets, &forge_args),
         Some(Command::List { what }) => list::run(assets, &what),
     }
 }

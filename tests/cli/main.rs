@@ -3,6 +3,7 @@
 mod arguments;
 mod bench;
 mod failures;
+mod forge;
 mod glb;
 mod judge;
 mod pictures;
