@@ -12,7 +12,7 @@ use crate::{
     level::Sun,
     maths::{split::SplitScheme, warp::Warp},
     shadow::{
-        settings::{PartitionSelection, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+        settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
         technique::Technique,
     },
 };
@@ -46,7 +46,7 @@ pub enum Setting {
 
 const COUNTS: &[u32] = &[1, 2, 3, 4, 6, 8, 12, 16];
 const SCHEMES: &[SplitScheme] = &[
-    SplitScheme::Practical { lambda: 0.8 },
+    Partitions::SCHEME,
     SplitScheme::Logarithmic,
     SplitScheme::Uniform,
     SplitScheme::Practical { lambda: 0.5 },

@@ -112,9 +112,16 @@ impl Default for Partitions {
     fn default() -> Self {
         Self {
             count: 4,
-            scheme: SplitScheme::Practical { lambda: 0.8 },
+            scheme: Self::SCHEME,
         }
     }
+}
+
+impl Partitions {
+    /// The default split. Measured with four warped maps on the tuning shots of forest and city (far plane 500 m, 480x270;
+    /// wrong pixels in percent): lambda 0.8 0.386 and 1.654, 0.9 0.390 and 0.905, 0.94 0.375 and 0.968, 0.97 0.345 and
+    /// 1.073, 0.99 0.337 and 1.107.
+    pub const SCHEME: SplitScheme = SplitScheme::Practical { lambda: 0.9 };
 }
 
 impl Default for SunShadows {
@@ -143,7 +150,7 @@ impl SunShadows {
             path: ShadowPath::Full,
             partitions: Partitions {
                 count,
-                scheme: SplitScheme::Practical { lambda: 0.8 },
+                scheme: Partitions::SCHEME,
             },
             warp: Warp::Lispsm,
             map_size,
