@@ -23,7 +23,7 @@ fn a_box_on_a_plane_is_judged() {
         "a head of two lines and two techniques: {table}"
     );
     let report = fs::read(folder.path().join("j/report.json")).expect("report.json");
-    let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
+    let report: Value = serde_json::from_slice(&report).expect("JSON");
     let rows = report["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 2);
     for row in rows {
@@ -62,7 +62,7 @@ fn a_box_on_a_plane_is_judged() {
         assert!(image::open(folder.path().join("j").join(plot)).is_ok(), "{plot}");
     }
     let stats = fs::read(folder.path().join("j/stats.json")).expect("stats.json");
-    let stats: serde_json::Value = serde_json::from_slice(&stats).expect("JSON");
+    let stats: Value = serde_json::from_slice(&stats).expect("JSON");
     let full = &stats["takes"][1];
     assert!(full["pass_ms"]["umbrage_draw_casters"].is_object(), "{full}");
     let light_views = full["light_views"].as_array().expect("light views");
