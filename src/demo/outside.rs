@@ -16,7 +16,10 @@ use super::{
     player::Player,
     screens::{Activity, Screen},
 };
-use crate::shadow::{gizmos::SunShadowGizmos, settings::WithoutSunShadows};
+use crate::{
+    shadow::{gizmos::SunShadowGizmos, settings::WithoutSunShadows},
+    ui::{help::HelpRoot, judge::JudgeRoot},
+};
 
 /// Whether the outside view is shown.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,6 +111,7 @@ fn spawn_or_despawn(mut commands: Commands, wanted: Res<OutsideView>, cameras: Q
 fn follow(
     players: Query<&Transform, (With<Player>, Without<Outside>)>,
     windows: Query<&Window, With<PrimaryWindow>>,
+    covering: Query<(), Or<(With<HelpRoot>, With<JudgeRoot>)>>,
     mut cameras: Query<(&mut Transform, &mut Camera), With<Outside>>,
 ) {
     let (Ok(player), Ok((mut transform, mut camera))) = (players.single(), cameras.single_mut()) else {
@@ -116,7 +120,8 @@ fn follow(
     *transform = outside_of(player);
     if let Ok(window) = windows.single() {
         let viewport = inset(window.physical_size());
-        camera.is_active = viewport.is_some();
+        // It is drawn after the interface, and would cover it.
+        camera.is_active = viewport.is_some() && covering.is_empty();
         camera.viewport = viewport;
     }
 }

@@ -7,6 +7,7 @@ use bevy::{
 };
 use umbrage::{
     demo::{
+        outside::Outside,
         player::Player,
         screens::{Activity, Screen},
     },
@@ -19,6 +20,22 @@ use crate::game::Game;
 fn set_status(game: &mut Game, status: SceneStatus) {
     *game.0.world_mut().resource_mut::<SceneStatus>() = status;
     game.frames(3);
+}
+
+#[test]
+fn the_outside_view_makes_room_for_the_help() {
+    let mut game = Game::playing();
+    let is_active = |game: &mut Game| {
+        let world = game.0.world_mut();
+        let mut cameras = world.query_filtered::<&Camera, With<Outside>>();
+        cameras.single(world).is_ok_and(|camera| camera.is_active)
+    };
+    game.tap(KeyCode::F5);
+    assert!(is_active(&mut game), "it is shown");
+    game.tap(KeyCode::F1);
+    assert!(!is_active(&mut game), "it would cover the help");
+    game.tap(KeyCode::F1);
+    assert!(is_active(&mut game), "it is back");
 }
 
 #[test]
