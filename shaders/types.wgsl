@@ -31,8 +31,8 @@ struct ApplyParameters {
     bias_value: f32,
     // 0..1, for the heat map.
     opacity: f32,
+    padding_a: f32,
     padding_b: f32,
-    padding_c: f32,
 }
 
 const SELECTION_DEPTH: u32 = 0u;

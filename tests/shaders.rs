@@ -62,7 +62,7 @@ fn layouts_agree() {
     assert_layout!(GpuLightView, "LightView", { clip_from_world, atlas_rect, depth_range, padding });
     assert_layout!(ApplyParameters, "ApplyParameters", {
         light_views, direction_to_light, light_view_count, shadow_distance, selection, filter_kind, bias_kind,
-        bias_value, opacity, padding_b, padding_c,
+        bias_value, opacity, padding_a, padding_b,
     });
     assert_layout!(CasterBin, "CasterBin", {
         first_instance, instance_count, first_index, index_count, base_vertex, unbounded, padding_a, padding_b,

@@ -5,10 +5,7 @@ use bevy::{core_pipeline::prepass::NormalPrepass, prelude::*};
 use super::{overlay::Overlay, player::Player, screens::Screen};
 use crate::{
     level::Sun,
-    render::{
-        heat_map::{HeatMapSelection, HeatMapView, TexelHeatMap},
-        reference::light_maps::{LightMaps, Selection},
-    },
+    render::{heat_map::TexelHeatMap, light_maps::LightMaps},
     shadow::settings::{ShadowPath, SunShadows},
 };
 
@@ -42,23 +39,8 @@ fn follow_overlay(world: &mut World) {
 }
 
 fn heat_map(world: &World, sun: Entity, camera: Entity) -> TexelHeatMap {
-    let light_maps = LightMaps::of(world, sun, camera);
     TexelHeatMap {
-        maps: light_maps
-            .maps
-            .iter()
-            .map(|map| HeatMapView {
-                clip_from_world: map.clip_from_world.as_mat4(),
-                size: map.size,
-                far_depth: map.far_depth as f32,
-            })
-            .collect(),
-        selection: match light_maps.selection {
-            Selection::Depth => HeatMapSelection::Depth,
-            Selection::BestResolution => HeatMapSelection::BestResolution,
-            Selection::Cascades => HeatMapSelection::Cascades,
-        },
-        distance: light_maps.distance as f32,
+        light_maps: LightMaps::of(world, sun, camera),
         direction_to_light: world.get::<GlobalTransform>(sun).map_or(Vec3::Y, |place| *place.back()),
         opacity: OPACITY,
     }

@@ -42,9 +42,9 @@ pub struct ApplyParameters {
     /// 0..=1, for the heat map.
     pub opacity: f32,
     /// Unused.
-    pub padding_b: f32,
+    pub padding_a: f32,
     /// Unused.
-    pub padding_c: f32,
+    pub padding_b: f32,
 }
 
 /// One bin of the caster phase.

@@ -31,6 +31,7 @@ pub mod drop_in;
 pub mod extract;
 pub mod gpu_types;
 pub mod heat_map;
+pub mod light_maps;
 pub mod mask;
 #[cfg(feature = "demo")]
 pub mod reference;

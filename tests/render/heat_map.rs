@@ -5,11 +5,11 @@ use umbrage::{
     prelude::*,
     render::{
         capture,
-        heat_map::{HeatMapSelection, HeatMapView, TexelHeatMap, color::heat_color},
+        heat_map::{TexelHeatMap, color::heat_color},
+        light_maps::LightMaps,
         mask::ShadowMask,
         reference::{
             extract::truth_scene,
-            light_maps::{LightMaps, Selection},
             pixels::{self, PixelRays},
             sampling::samples,
         },
@@ -47,21 +47,7 @@ fn compare(technique: &str) -> (f64, usize, usize) {
     let maps = LightMaps::of(harness.app.world(), light, camera);
     assert!(!maps.maps.is_empty(), "{technique} has maps");
     harness.app.world_mut().entity_mut(camera).insert(TexelHeatMap {
-        maps: maps
-            .maps
-            .iter()
-            .map(|map| HeatMapView {
-                clip_from_world: map.clip_from_world.as_mat4(),
-                size: map.size,
-                far_depth: map.far_depth as f32,
-            })
-            .collect(),
-        selection: match maps.selection {
-            Selection::Depth => HeatMapSelection::Depth,
-            Selection::BestResolution => HeatMapSelection::BestResolution,
-            Selection::Cascades => HeatMapSelection::Cascades,
-        },
-        distance: maps.distance as f32,
+        light_maps: maps.clone(),
         direction_to_light: -LIGHT.normalize(),
         opacity: 1.0,
     });

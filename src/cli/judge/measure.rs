@@ -9,14 +9,16 @@ use super::report::{Confirmation, Distance, Floor, Row, TexelPixel, Texels, perc
 use crate::{
     level::shot::Shot,
     maths::{bounds::Bounds, view::ViewVolume},
-    render::reference::{
-        accuracy::{self, Counts, Kinds, LIT_ABOVE},
-        coverage,
-        floor::sampling_floor,
+    render::{
         light_maps::LightMaps,
-        pixels::{PixelRays, PixelTruth, Traced, trace},
-        sampling::{self, Quantiles, Sample},
-        scene::TruthScene,
+        reference::{
+            accuracy::{self, Counts, Kinds, LIT_ABOVE},
+            coverage,
+            floor::sampling_floor,
+            pixels::{PixelRays, PixelTruth, Traced, trace},
+            sampling::{self, Quantiles, Sample},
+            scene::TruthScene,
+        },
     },
 };
 

@@ -28,10 +28,10 @@ use crate::{
     level::shot::Shot,
     render::{
         capture::Texels,
+        light_maps::LightMaps,
         reference::{
             accuracy::Kinds,
             extract::truth_scene,
-            light_maps::LightMaps,
             pictures::{difference_picture, truth_picture},
         },
     },

@@ -129,8 +129,8 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         bias_kind,
         bias_value,
         opacity: 0.0,
+        padding_a: 0.0,
         padding_b: 0.0,
-        padding_c: 0.0,
     }
 }
 

@@ -32,46 +32,20 @@ use bevy::{
 
 use super::{
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
+    light_maps::{LightMaps, Selection},
     shaders,
 };
-
-/// One map of the heat map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeatMapView {
-    /// World to light clip space.
-    pub clip_from_world: Mat4,
-    /// Texels per side.
-    pub size: u32,
-    /// View depth in metres up to which the map is meant to be used.
-    pub far_depth: f32,
-}
-
-/// How a pixel finds its map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum HeatMapSelection {
-    /// The first map that ends behind the pixel and contains it.
-    #[default]
-    Depth,
-    /// The first map that contains it.
-    BestResolution,
-    /// The first map that ends behind it, as Bevy's cascades are selected.
-    Cascades,
-}
 
 /// On a camera: shows texel ÷ pixel (root of the ratio of areas) where a shadow is looked up: blue 1/8 and less, green 1,
 /// yellow 2, red 8 and more. Sky and what is in no map stay as they are.
 ///
 /// # Limits
 /// At most [`MAX_LIGHT_VIEWS`] maps count. The camera needs `Msaa::Off`; with multisampling nothing is drawn.
-#[derive(Component, Clone, Debug, Default, PartialEq, ExtractComponent)]
+#[derive(Component, Clone, Debug, PartialEq, ExtractComponent)]
 #[require(DepthPrepass, NormalPrepass)]
 pub struct TexelHeatMap {
-    /// In the order in which pixels look for theirs.
-    pub maps: Vec<HeatMapView>,
-    /// How they do.
-    pub selection: HeatMapSelection,
-    /// View depth in metres from which there are no shadows.
-    pub distance: f32,
+    /// The maps of the frame, and how pixels find theirs.
+    pub light_maps: LightMaps,
     /// Unit vector towards the light, world space.
     pub direction_to_light: Vec3,
     /// 0 shows the picture only, 1 the colors only.
@@ -81,30 +55,30 @@ pub struct TexelHeatMap {
 impl TexelHeatMap {
     fn parameters(&self) -> ApplyParameters {
         let mut light_views = [GpuLightView::default(); MAX_LIGHT_VIEWS];
-        for (target, map) in light_views.iter_mut().zip(&self.maps) {
+        for (target, map) in light_views.iter_mut().zip(&self.light_maps.maps) {
             *target = GpuLightView {
-                clip_from_world: map.clip_from_world,
+                clip_from_world: map.clip_from_world.as_mat4(),
                 atlas_rect: Vec4::new(0.0, 0.0, map.size as f32, map.size as f32),
-                depth_range: Vec2::new(0.0, map.far_depth),
+                depth_range: Vec2::new(0.0, map.far_depth as f32),
                 padding: Vec2::ZERO,
             };
         }
         ApplyParameters {
             light_views,
             direction_to_light: self.direction_to_light,
-            light_view_count: self.maps.len().min(MAX_LIGHT_VIEWS) as u32,
-            shadow_distance: self.distance,
-            selection: match self.selection {
-                HeatMapSelection::Depth => 0,
-                HeatMapSelection::BestResolution => 1,
-                HeatMapSelection::Cascades => 2,
+            light_view_count: self.light_maps.maps.len().min(MAX_LIGHT_VIEWS) as u32,
+            shadow_distance: self.light_maps.distance as f32,
+            selection: match self.light_maps.selection {
+                Selection::Depth => 0,
+                Selection::BestResolution => 1,
+                Selection::Cascades => 2,
             },
             filter_kind: 0,
             bias_kind: 0,
             bias_value: 0.0,
             opacity: self.opacity,
+            padding_a: 0.0,
             padding_b: 0.0,
-            padding_c: 0.0,
         }
     }
 }

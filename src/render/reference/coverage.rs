@@ -7,11 +7,13 @@
 use bevy::math::{DMat2, DVec2, DVec3};
 
 use super::{
-    light_maps::{LightMap, LightMaps},
     pixels::{PixelRays, Traced},
     sampling::Camera,
 };
-use crate::maths::{body::light_visible, bounds::Bounds, view::ViewVolume};
+use crate::{
+    maths::{body::light_visible, bounds::Bounds, view::ViewVolume},
+    render::light_maps::{LightMap, LightMaps},
+};
 
 /// Texels of all maps that the footprint of at least one visible receiver's pixel touches.
 ///
@@ -161,9 +163,9 @@ mod tests {
     use bevy::math::{DMat4, UVec2};
 
     use super::*;
-    use crate::render::reference::{
+    use crate::render::{
         light_maps::Selection,
-        pixels::{PixelTruth, SurfacePoint},
+        reference::pixels::{PixelTruth, SurfacePoint},
     };
 
     /// A camera 10 m above the ground that looks straight down.

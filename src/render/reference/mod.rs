@@ -9,17 +9,15 @@
 //! 4. [`pixels`]: truth for every pixel of a picture, from the depths that the GPU wrote; what makes a pixel valid.
 //! 5. [`accuracy`]: a technique's mask against truth, overall and near true shadow edges.
 //! 6. [`pictures`]: both as pictures.
-//! 7. [`light_maps`]: the maps of a technique, and which of them a pixel reads.
-//! 8. [`sampling`]: texel ÷ pixel of every valid pixel.
-//! 9. [`coverage`]: how many texels visible receivers touch, and how many lie in the view.
-//! 10. [`floor`]: what perfectly spread texels would get wrong.
-//! 11. [`stability`]: how much masks crawl and pictures pop from frame to frame.
+//! 7. [`sampling`]: texel ÷ pixel of every valid pixel.
+//! 8. [`coverage`]: how many texels visible receivers touch, and how many lie in the view.
+//! 9. [`floor`]: what perfectly spread texels would get wrong.
+//! 10. [`stability`]: how much masks crawl and pictures pop from frame to frame.
 
 pub mod accuracy;
 pub mod coverage;
 pub mod extract;
 pub mod floor;
-pub mod light_maps;
 pub mod mesh;
 pub mod pictures;
 pub mod pixels;

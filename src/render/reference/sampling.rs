@@ -14,11 +14,11 @@
 use bevy::math::{DMat4, UVec2};
 use serde::{Deserialize, Serialize};
 
-use super::{
-    light_maps::LightMaps,
-    pixels::{PixelRays, SurfacePoint, Traced, rows},
+use super::pixels::{PixelRays, SurfacePoint, Traced, rows};
+use crate::{
+    maths::footprint::{Footprint, texel_footprint, texels_on_pixels},
+    render::light_maps::LightMaps,
 };
-use crate::maths::footprint::{Footprint, texel_footprint, texels_on_pixels};
 
 /// Texel ÷ pixel at one pixel, in the map in which its shadow is looked up. All are ratios of lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,9 +124,9 @@ mod tests {
     use bevy::math::{DVec2, DVec3};
 
     use super::*;
-    use crate::render::reference::{
+    use crate::render::{
         light_maps::{LightMap, Selection},
-        pixels::PixelTruth,
+        reference::pixels::PixelTruth,
     };
 
     /// A camera 10 m above the ground that looks straight down: a pixel covers 0.1 m × 0.1 m.
