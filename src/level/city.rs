@@ -11,7 +11,7 @@ use super::{
     ground::{Ground, Step, Surface},
     meshes::{MeshData, Rgb},
     model::{Model, Placement},
-    noise, plants, props, scatter,
+    noise, props, scatter,
     scenery::{Scenery, Static},
     terrain::Terrain,
 };
@@ -373,7 +373,7 @@ fn park(rng: &mut ChaCha8Rng, city: &City, block: &Block, placements: &mut Vec<P
         }
         trees.push(p);
         let species = [Species::Oak, Species::Oak, Species::Birch][rng.random_range(0..3)];
-        let model = Model::Plant(species, rng.random_range(0..plants::VARIANTS));
+        let model = Model::Plant(species, rng.random_range(0..4));
         placements.push(Placement {
             scale: Vec3::splat(rng.random_range(0.75..1.05)),
             ..Placement::upright(
@@ -426,7 +426,7 @@ fn furniture(rng: &mut ChaCha8Rng, block: &Block, placements: &mut Vec<Placement
             if near_lamp {
                 continue;
             }
-            let model = Model::Plant(Species::Birch, rng.random_range(0..plants::VARIANTS));
+            let model = Model::Plant(Species::Birch, rng.random_range(0..4));
             placements.push(Placement {
                 scale: Vec3::splat(rng.random_range(0.55..0.7)),
                 ..Placement::upright(

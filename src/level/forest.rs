@@ -5,10 +5,10 @@ use bevy_math::{Quat, Vec2, Vec3};
 use super::{
     format::{FenceShape, Forest, HutSite, Level},
     ground::{Ground, Surface},
-    model::{Model, Placement},
-    plants,
+    model::{Model, Placement, Tint},
     scatter::{self, Thrown},
     scenery::{Scenery, Static},
+    species,
     terrain::{Terrain, Track},
 };
 
@@ -40,22 +40,31 @@ pub fn generate(level: &Level, forest: &Forest) -> Scenery {
     }
 }
 
-/// Sets something thrown on the ground; rocks lie on the slope, plants stand upright.
+/// Sets something thrown on the ground: rocks, dead wood and herbs lie along the slope, trees stand nearly upright.
 pub fn plant(terrain: &Terrain, thrown: &Thrown) -> Placement {
     let p = thrown.position;
     let position = Vec3::new(p.x, terrain.height(p), p.y);
     let upright = Quat::from_rotation_y(thrown.yaw);
-    let rotation = if thrown.species.is_tree() {
-        upright
-    } else {
+    let rotation = if species::follows_slope(thrown.species) {
         Quat::from_rotation_arc(Vec3::Y, terrain.normal(p)) * upright
+    } else {
+        // Shapes are any number: its digits serve as dice for how a tree leans.
+        let lean = species::lean(thrown.species) * share(thrown.variant, 1);
+        let axis = Quat::from_rotation_y(std::f32::consts::TAU * share(thrown.variant, 2)) * Vec3::X;
+        Quat::from_axis_angle(axis, lean) * upright
     };
     Placement {
-        model: Model::Plant(thrown.species, thrown.variant % plants::VARIANTS),
+        model: Model::Plant(thrown.species, thrown.variant),
         position,
         rotation,
         scale: Vec3::splat(thrown.scale),
+        tint: species::tint(thrown.species, share(thrown.variant, 3)),
     }
+}
+
+/// A share of 0..=1 from one byte of a number; byte 0 chooses shapes.
+fn share(number: u32, byte: u32) -> f32 {
+    (number >> (8 * byte) & 255) as f32 / 255.0
 }
 
 /// A hut on the highest ground under it.
@@ -108,6 +117,7 @@ fn fence_along(terrain: &Terrain, track: &Track, fence: &FenceShape) -> Vec<Plac
             position: pair[0],
             rotation: yaw * rise,
             scale: Vec3::new(along.length(), fence.height, 1.0),
+            tint: Tint::WHITE,
         });
     }
     placements

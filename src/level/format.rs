@@ -211,27 +211,53 @@ pub struct FenceShape {
     pub offset: f32,
 }
 
-/// What is thrown on the terrain.
+/// What is thrown on the terrain. Heights are those at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Species {
-    /// Trunk and jagged cones, 8 to 13 m.
-    Conifer,
-    /// Trunk, boughs and alpha-masked leaf cards, 8 to 11 m.
+    /// Norway spruce, 16 m.
+    Spruce,
+    /// Scots pine, 16 to 18 m.
+    Pine,
+    /// Oak with a broad crown, 12 m.
     Oak,
-    /// White trunk and leaf balls, 8 to 11 m.
+    /// Beech, 15 m.
+    Beech,
+    /// Silver birch, 13 to 15 m.
     Birch,
-    /// Bare trunk and branches, 6 to 9 m.
+    /// Standing dead tree, 9 m.
     DeadTree,
-    /// Leaf balls on the ground, 1 to 1.5 m.
+    /// Hazel bush, 1.7 m.
     Bush,
-    /// A boulder, 0.8 to 1.5 m.
+    /// Male fern, 0.4 m high and 1.4 m wide.
+    Fern,
+    /// A patch of low grass, 0.4 m high and 3 m wide.
+    Grass,
+    /// A patch of high grass with ears, 0.8 m high and 3 m wide.
+    TallGrass,
+    /// A stone, 0.3 m.
+    Stone,
+    /// A block, 0.8 m.
     Rock,
+    /// A boulder, 2 m.
+    Boulder,
+    /// A sawn stump, 0.5 m.
+    Stump,
+    /// A fallen log, 4.5 m long.
+    Log,
 }
 
 impl Species {
     /// True for the species that count as trees and keep clearings free.
     pub fn is_tree(self) -> bool {
-        matches!(self, Self::Conifer | Self::Oak | Self::Birch | Self::DeadTree)
+        matches!(
+            self,
+            Self::Spruce | Self::Pine | Self::Oak | Self::Beech | Self::Birch | Self::DeadTree
+        )
+    }
+
+    /// True for what a trodden path or a stream bed only thins out at its edge: low herbs.
+    pub fn is_herb(self) -> bool {
+        matches!(self, Self::Fern | Self::Grass | Self::TallGrass)
     }
 }
 

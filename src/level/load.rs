@@ -18,6 +18,7 @@ use super::{
     find::{AssetRoot, EXTENSION},
     format::{CameraPath, Level, Spawn, SunSettings},
     ground::Ground,
+    library::{self, ModelAssets},
     load_gltf::GltfJob,
     loader::{LevelAsset, LevelLoadError, SOURCE},
     scene::SceneSource,
@@ -101,6 +102,13 @@ pub(super) enum Job {
         progress: Arc<AtomicU32>,
         task: Task<Prepared>,
     },
+    /// Waiting for model files.
+    Models {
+        handle: Handle<LevelAsset>,
+        level: Box<Level>,
+        prepared: Box<Prepared>,
+        models: Box<library::Loading>,
+    },
     Spawn(Box<SpawnJob>),
     Gltf(GltfJob),
     /// Ready; the handle keeps the file watched.
@@ -120,7 +128,8 @@ pub(super) struct SpawnJob {
 const TOTAL: u32 = 1000;
 const BUILD_AT: u32 = 20;
 const MESHES_AT: u32 = 250;
-const SPAWN_AT: u32 = 600;
+const MODELS_AT: u32 = 350;
+const SPAWN_AT: u32 = 800;
 /// Placements spawned per frame: a few milliseconds.
 const SPAWN_BATCH: usize = 4000;
 
@@ -189,6 +198,7 @@ pub(super) fn advance_level(
     mut commands: Commands,
     server: Res<AssetServer>,
     levels: Res<Assets<LevelAsset>>,
+    models: ModelAssets,
     mut assets: LevelAssets,
     mut job: ResMut<Job>,
     mut status: ResMut<SceneStatus>,
@@ -212,23 +222,45 @@ pub(super) fn advance_level(
                 status.set_if_neq(loading(done.max(BUILD_AT), format!("Building {}", level.name)));
                 return;
             }
-            Some(prepared) => {
-                let palette = Palette::new(&mut assets, prepared.models);
-                palette.spawn_statics(&mut commands, &mut assets, prepared.statics);
-                spawn::spawn_sun(&mut commands, &level.sun);
-                Ok(Job::Spawn(Box::new(SpawnJob {
-                    handle: handle.clone(),
-                    level: level.clone(),
-                    palette,
-                    placements: prepared.placements,
-                    ground: prepared.ground,
-                    next: 0,
-                })))
-            }
+            Some(prepared) => Ok(Job::Models {
+                handle: handle.clone(),
+                level: level.clone(),
+                models: Box::new(library::Loading::start(&server, prepared.files.iter().copied())),
+                prepared: Box::new(prepared),
+            }),
         },
+        Job::Models {
+            handle,
+            level,
+            prepared,
+            models: loading_models,
+        } => {
+            let step = loading_models.advance(&server, &models, &assets.meshes, &mut assets.images);
+            match step {
+                Err(share) => {
+                    let done = MODELS_AT + ((SPAWN_AT - MODELS_AT) as f32 * share) as u32;
+                    status.set_if_neq(loading(done, format!("Reading models for {}", level.name)));
+                    return;
+                }
+                Ok(library) => {
+                    let palette = Palette::new(&mut assets, std::mem::take(&mut prepared.models), library);
+                    palette.spawn_statics(&mut commands, &mut assets, std::mem::take(&mut prepared.statics));
+                    spawn::spawn_sun(&mut commands, &level.sun);
+                    Ok(Job::Spawn(Box::new(SpawnJob {
+                        handle: handle.clone(),
+                        level: level.clone(),
+                        palette,
+                        placements: std::mem::take(&mut prepared.placements),
+                        ground: std::mem::take(&mut prepared.ground),
+                        next: 0,
+                    })))
+                }
+            }
+        }
         Job::Spawn(spawn) => {
             let end = (spawn.next + SPAWN_BATCH).min(spawn.placements.len());
-            spawn.palette.spawn(&mut commands, &spawn.placements[spawn.next..end]);
+            let batch = &spawn.placements[spawn.next..end];
+            spawn.palette.spawn(&mut commands, &mut assets, batch);
             spawn.next = end;
             if end < spawn.placements.len() {
                 let share = end as f32 / spawn.placements.len() as f32;
@@ -236,7 +268,9 @@ pub(super) fn advance_level(
                 *status = loading(done, format!("Placing {}", spawn.level.name));
                 return;
             }
-            commands.insert_resource(loaded(&spawn.level, std::mem::take(&mut spawn.ground)));
+            let mut scene = loaded(&spawn.level, std::mem::take(&mut spawn.ground));
+            scene.notes.extend_from_slice(spawn.palette.notes());
+            commands.insert_resource(scene);
             *status = SceneStatus::Ready;
             Ok(Job::Level(spawn.handle.clone()))
         }
@@ -271,7 +305,7 @@ fn build(
         AsyncComputeTaskPool::get().spawn(async move {
             let scenery = scenery::generate(&level);
             Prepared::new(scenery, |share| {
-                let done = MESHES_AT + ((SPAWN_AT - MESHES_AT) as f32 * share) as u32;
+                let done = MESHES_AT + ((MODELS_AT - MESHES_AT) as f32 * share) as u32;
                 progress.store(done, Ordering::Relaxed);
             })
         })

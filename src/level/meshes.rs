@@ -25,15 +25,6 @@ pub struct MeshData {
     pub indices: Vec<u32>,
 }
 
-/// The meshes of one model.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ModelMesh {
-    /// Closed solids.
-    pub solid: MeshData,
-    /// Leaf cards for a double-sided alpha-masked material; often empty.
-    pub leaves: MeshData,
-}
-
 impl MeshData {
     /// True without triangles.
     pub fn is_empty(&self) -> bool {

@@ -6,15 +6,19 @@ use super::{
     buildings::{self, Building},
     format::Species,
     ground::{Blocker, BlockerShape},
-    meshes::{MeshData, ModelMesh, Rgb},
-    plants, props,
+    meshes::{MeshData, Rgb},
+    props,
+    simple_trees::{self, SimpleTree},
+    species,
 };
 
 /// Something that may stand in many places; equal models share their meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Model {
-    /// A plant or rock in one of its shapes.
+    /// A plant, rock or piece of dead wood in one of its shapes, any number.
     Plant(Species, u32),
+    /// A tree of few triangles in one of its shapes.
+    SimpleTree(SimpleTree, u32),
     /// A fence post of 1 m.
     FencePost,
     /// Fence rails of 1 m along +x.
@@ -42,6 +46,24 @@ pub enum Model {
 /// Colours of cubes, balls and poles.
 pub const PRIMITIVE_PAINTS: [Rgb; 4] = [[0.55, 0.2, 0.12], [0.2, 0.32, 0.5], [0.5, 0.47, 0.4], [0.1, 0.1, 0.1]];
 
+/// One variant of a model file, `assets/models/FILE.glb`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct AssetRef {
+    /// The file's name without extension.
+    pub file: &'static str,
+    /// Index of the variant in the file, modulo how many there are.
+    pub variant: u32,
+}
+
+/// A colour that multiplies an asset's own where its materials take one; sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Tint(pub [u8; 3]);
+
+impl Tint {
+    /// Leaves an asset as it is.
+    pub const WHITE: Self = Self([255; 3]);
+}
+
 /// One thing in the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
@@ -53,6 +75,8 @@ pub struct Placement {
     pub rotation: Quat,
     /// How it is scaled; positive.
     pub scale: Vec3,
+    /// Colour of an asset's paint or leaves; models that are built here have their own colours.
+    pub tint: Tint,
 }
 
 impl Placement {
@@ -63,6 +87,7 @@ impl Placement {
             position,
             rotation: Quat::from_rotation_y(yaw),
             scale: Vec3::ONE,
+            tint: Tint::WHITE,
         }
     }
 
@@ -77,8 +102,11 @@ impl Placement {
             radius: radius * self.scale.x,
         };
         let (shape, height) = match self.model {
-            Model::Plant(Species::Bush, _) => return None,
-            Model::Plant(species, _) => (round(plants::foot_radius(species)), plants::height(species)),
+            Model::Plant(species, _) => {
+                let radius = species::foot_radius(species)?;
+                (round(radius), species::height(species))
+            }
+            Model::SimpleTree(tree, _) => (round(simple_trees::foot_radius(tree)), simple_trees::height(tree)),
             // The rails between posts are what stops a walker; see the generators, which know both ends.
             Model::FencePost => (round(0.1), 1.0),
             Model::FenceRails => {
@@ -113,10 +141,27 @@ impl Placement {
 }
 
 impl Model {
-    /// Builds the meshes that all placements of this model share.
-    pub fn build(&self) -> ModelMesh {
-        let solid = match *self {
-            Self::Plant(species, variant) => return plants::build(species, variant),
+    /// The file that it is drawn with; `None`: [`build`](Self::build) makes its mesh.
+    pub fn asset(&self) -> Option<AssetRef> {
+        match *self {
+            Self::Plant(species, variant) => Some(species::asset(species, variant)),
+            _ => None,
+        }
+    }
+
+    /// Half the extent in metres of a box that may stand in for its file, at scale 1.
+    pub fn half_extent(&self) -> Vec3 {
+        match *self {
+            Self::Plant(species, _) => species::half_extent(species),
+            _ => Vec3::splat(0.5),
+        }
+    }
+
+    /// Builds the mesh that all placements of this model share; empty for models with an [`asset`](Self::asset).
+    pub fn build(&self) -> MeshData {
+        match *self {
+            Self::Plant(..) => MeshData::default(),
+            Self::SimpleTree(tree, variant) => simple_trees::build(tree, variant),
             Self::FencePost => props::fence_post(),
             Self::FenceRails => props::fence_rails(),
             Self::Hut => props::hut(),
@@ -137,10 +182,6 @@ impl Model {
                 mesh.push_round((Vec3::ZERO, 0.5), (Vec3::Y, 0.5), 16, (color, color));
                 mesh
             }
-        };
-        ModelMesh {
-            solid,
-            leaves: MeshData::default(),
         }
     }
 }
@@ -185,7 +226,7 @@ mod tests {
     #[test]
     fn primitives_are_solid_and_of_unit_size() {
         for model in [Model::Cube(0), Model::Ball(1), Model::Pole(2)] {
-            let mesh = model.build().solid;
+            let mesh = model.build();
             assert_solid(&mesh, &format!("{model:?}"));
             let (min, max) = mesh.bounds().unwrap();
             assert!((min - Vec3::new(-0.5, 0.0, -0.5)).length() < 1e-3, "{model:?} {min}");

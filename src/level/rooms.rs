@@ -5,12 +5,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    format::{Level, Room, Species, StressTrees},
+    format::{Level, Room, StressTrees},
     ground::{Ground, Surface},
     meshes::MeshData,
     model::{Model, Placement},
-    plants, props,
+    props,
     scenery::{Scenery, Static},
+    simple_trees::{SimpleTree, VARIANTS},
 };
 
 /// Generates a room.
@@ -93,9 +94,13 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
         .map(|i| {
             let lattice = Vec2::new((i % side) as f32, (i / side) as f32) + 0.5;
             let p = lattice * trees.spacing - 0.5 * extent;
-            let species =
-                [Species::Conifer, Species::Birch, Species::Conifer, Species::DeadTree][rng.random_range(0..4)];
-            let model = Model::Plant(species, rng.random_range(0..plants::VARIANTS));
+            let tree = [
+                SimpleTree::Conifer,
+                SimpleTree::Birch,
+                SimpleTree::Conifer,
+                SimpleTree::Dead,
+            ][rng.random_range(0..4)];
+            let model = Model::SimpleTree(tree, rng.random_range(0..VARIANTS));
             let yaw = rng.random_range(0.0..std::f32::consts::TAU);
             Placement {
                 scale: Vec3::splat(rng.random_range(0.8..1.2)),

@@ -1,23 +1,21 @@
 //! From placements to entities: meshes and materials are shared, so that Bevy draws equal models in batches.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use bevy::{
     asset::RenderAssetUsages,
-    camera::primitives::Aabb,
+    camera::{primitives::Aabb, visibility::VisibilityRange},
     ecs::system::SystemParam,
-    image::{ImageSampler, ImageSamplerDescriptor},
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
-    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 
 use super::{
     format::SunSettings,
+    library::{Library, placeholder},
     load::{LevelEntity, Sun},
     meshes::MeshData,
     model::{Model, Placement},
-    plants,
     scenery::Scenery,
 };
 
@@ -42,8 +40,10 @@ impl ReadyMesh {
 pub struct Prepared {
     /// Meshes in world space.
     pub statics: Vec<(&'static str, ReadyMesh)>,
-    /// Solid parts and leaves of every model.
-    pub models: Vec<(Model, [Option<ReadyMesh>; 2])>,
+    /// Every model that is built here.
+    pub models: Vec<(Model, ReadyMesh)>,
+    /// Every model file that is needed, without extension.
+    pub files: BTreeSet<&'static str>,
     /// Everything that stands somewhere.
     pub placements: Vec<Placement>,
     /// What a walker stands on.
@@ -53,21 +53,26 @@ pub struct Prepared {
 impl Prepared {
     /// Builds the meshes; `report` is called with a share of 0..=1.
     pub fn new(scenery: Scenery, report: impl Fn(f32)) -> Self {
-        let mut models: Vec<Model> = Vec::new();
-        let mut seen = std::collections::HashSet::new();
+        let (mut models, mut files) = (Vec::new(), BTreeSet::new());
+        let mut seen = HashSet::new();
         for placement in &scenery.placements {
             if seen.insert(placement.model) {
-                models.push(placement.model);
+                match placement.model.asset() {
+                    Some(asset) => {
+                        files.insert(asset.file);
+                    }
+                    None => models.push(placement.model),
+                }
             }
         }
         let total = models.len().max(1) as f32;
         let build = |(i, model): (usize, Model)| {
             report(i as f32 / total);
-            let mesh = model.build();
-            (model, [mesh.solid, mesh.leaves].map(ReadyMesh::new))
+            Some((model, ReadyMesh::new(model.build())?))
         };
         Self {
-            models: models.into_iter().enumerate().map(build).collect(),
+            models: models.into_iter().enumerate().filter_map(build).collect(),
+            files,
             statics: scenery
                 .statics
                 .into_iter()
@@ -98,43 +103,49 @@ pub fn to_mesh(data: MeshData) -> Mesh {
 /// The asset collections that spawning adds to.
 #[derive(SystemParam)]
 pub struct LevelAssets<'w> {
-    meshes: ResMut<'w, Assets<Mesh>>,
-    materials: ResMut<'w, Assets<StandardMaterial>>,
-    images: ResMut<'w, Assets<Image>>,
+    /// Meshes.
+    pub meshes: ResMut<'w, Assets<Mesh>>,
+    /// Materials.
+    pub materials: ResMut<'w, Assets<StandardMaterial>>,
+    /// Pictures.
+    pub images: ResMut<'w, Assets<Image>>,
 }
 
 /// Shared handles of a level that is being spawned.
 pub struct Palette {
     solid: Handle<StandardMaterial>,
-    leaves: Handle<StandardMaterial>,
-    models: HashMap<Model, [Option<(Handle<Mesh>, Aabb)>; 2]>,
+    models: HashMap<Model, (Handle<Mesh>, Aabb)>,
+    library: Library,
+    stand_in: (Handle<Mesh>, Aabb),
 }
+
+type Drawn = (Mesh3d, MeshMaterial3d<StandardMaterial>, Aabb, Transform, LevelEntity);
 
 impl Palette {
     /// Adds materials and the models' meshes.
-    pub fn new(assets: &mut LevelAssets, models: Vec<(Model, [Option<ReadyMesh>; 2])>) -> Self {
-        let mut add = |part: Option<ReadyMesh>| part.map(|ready| (assets.meshes.add(ready.mesh), ready.aabb));
-        let models = models
-            .into_iter()
-            .map(|(model, parts)| (model, parts.map(&mut add)))
-            .collect();
-        let leaf_texture = assets.images.add(leaf_image());
-        let matt = StandardMaterial {
-            perceptual_roughness: 0.95,
-            reflectance: 0.25,
-            ..default()
-        };
+    pub fn new(assets: &mut LevelAssets, models: Vec<(Model, ReadyMesh)>, library: Library) -> Self {
+        let stand_in = placeholder::striped_box();
         Self {
-            leaves: assets.materials.add(StandardMaterial {
-                base_color_texture: Some(leaf_texture),
-                alpha_mode: AlphaMode::Mask(0.5),
-                // Seen from both sides with the crown's normals: flipped ones would blacken half of the leaves.
-                cull_mode: None,
-                ..matt.clone()
+            solid: assets.materials.add(StandardMaterial {
+                perceptual_roughness: 0.95,
+                reflectance: 0.25,
+                ..default()
             }),
-            solid: assets.materials.add(matt),
-            models,
+            models: models
+                .into_iter()
+                .map(|(model, ready)| (model, (assets.meshes.add(ready.mesh), ready.aabb)))
+                .collect(),
+            library,
+            stand_in: (
+                assets.meshes.add(to_mesh(stand_in)),
+                Aabb::from_min_max(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)),
+            ),
         }
+    }
+
+    /// One sentence per model file that could not be used.
+    pub fn notes(&self) -> &[String] {
+        &self.library.notes
     }
 
     /// Spawns meshes in world space.
@@ -155,50 +166,56 @@ impl Palette {
         }
     }
 
-    /// Spawns placements: one entity each, and a second one for leaves.
-    pub fn spawn(&self, commands: &mut Commands, placements: &[Placement]) {
-        let mut entities = Vec::with_capacity(placements.len());
+    /// Spawns placements: one entity for a model that is built here, one per material and level of detail for a file's.
+    pub fn spawn(&mut self, commands: &mut Commands, assets: &mut LevelAssets, placements: &[Placement]) {
+        let mut always: Vec<Drawn> = Vec::with_capacity(placements.len());
+        let mut ranged: Vec<(Drawn, VisibilityRange)> = Vec::new();
         for placement in placements {
-            let Some(parts) = self.models.get(&placement.model) else {
-                continue;
-            };
             let transform = Transform {
                 translation: placement.position,
                 rotation: placement.rotation,
                 scale: placement.scale,
             };
-            for (part, material) in parts.iter().zip([&self.solid, &self.leaves]) {
-                if let Some((mesh, aabb)) = part {
-                    entities.push((
-                        Mesh3d(mesh.clone()),
-                        MeshMaterial3d(material.clone()),
-                        *aabb,
-                        transform,
-                        LevelEntity,
-                    ));
+            let drawn = |(mesh, aabb): &(Handle<Mesh>, Aabb), material: &Handle<StandardMaterial>, transform| {
+                let material = MeshMaterial3d(material.clone());
+                (Mesh3d(mesh.clone()), material, *aabb, transform, LevelEntity)
+            };
+            let Some(asset) = placement.model.asset() else {
+                if let Some(model) = self.models.get(&placement.model) {
+                    always.push(drawn(model, &self.solid, transform));
+                }
+                continue;
+            };
+            let Some(shape) = self.library.shape(asset).cloned() else {
+                let size = 2.0 * placement.model.half_extent();
+                let transform = transform.with_scale(placement.scale * size);
+                always.push(drawn(&self.stand_in, &self.solid, transform));
+                continue;
+            };
+            for (parts, range) in shape.lods(placement.scale.max_element()) {
+                for part in parts {
+                    let material = self
+                        .library
+                        .material(asset, part, placement.tint, &mut assets.materials);
+                    let Some(material) = material else { continue };
+                    let drawn = drawn(&(part.mesh.clone(), part.aabb), &material, transform);
+                    if range == (0.0..f32::INFINITY) {
+                        always.push(drawn);
+                    } else if !range.is_empty() {
+                        let hard = |distance: f32| distance..distance;
+                        let visible = VisibilityRange {
+                            start_margin: hard(range.start),
+                            end_margin: hard(range.end),
+                            use_aabb: false,
+                        };
+                        ranged.push((drawn, visible));
+                    }
                 }
             }
         }
-        commands.spawn_batch(entities);
+        commands.spawn_batch(always);
+        commands.spawn_batch(ranged);
     }
-}
-
-/// Twigs on a clear ground, without smaller mip levels: shadows and truth look leaves up at full size.
-fn leaf_image() -> Image {
-    let side = 128;
-    let mut image = Image::new(
-        Extent3d {
-            width: side,
-            height: side,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        plants::leaf_texture(side),
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::default(),
-    );
-    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor::linear());
-    image
 }
 
 /// Spawns the sun and sets sky and ambient light.

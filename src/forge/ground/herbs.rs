@@ -4,7 +4,7 @@ use bevy_math::{Vec2, Vec3};
 
 use crate::forge::{
     mesh::{Leaf, Lod, Material, Mesh, Model, Part, Variant, Vertex},
-    portable::{Dice, TURN, mix, sin_cos},
+    portable::{Dice, TURN, mix, sin_cos, turn},
     texture::sprigs::{self, GRID, Sprig},
 };
 
@@ -140,9 +140,38 @@ pub fn fern() -> Model {
     model
 }
 
-/// Grass: a low tuft, and a high one with ears.
+/// Tufts in a patch.
+const TUFTS: u32 = 15;
+/// Radius of a patch in metres.
+const PATCH: f32 = 1.5;
+
+/// Tufts on a disc, denser in the middle; `tuft` is one of them, `size` its length.
+fn patch(tuft: &Mesh, seed: u64, size: f32) -> Mesh {
+    let mut dice = Dice::new(seed ^ 0x9a7c);
+    let mut mesh = empty();
+    for number in 0..TUFTS {
+        // Equal areas for each tuft on a spiral.
+        let radius = PATCH * ((number as f32 + 0.5) / TUFTS as f32).sqrt() * dice.between(0.8, 1.0);
+        let at = turn(Vec3::X * radius, Vec3::Y, GOLDEN * number as f32);
+        let (angle, scale, tone) = (TURN * dice.unit(), dice.between(0.6, 1.15), dice.between(0.8, 1.0));
+        // A little lower at the rim: a slope may fall away under it.
+        let sink = Vec3::Y * (0.04 * size * radius);
+        let mut own = tuft.clone();
+        for vertex in &mut own.vertices {
+            vertex.position = turn(vertex.position, Vec3::Y, angle) * scale + at - sink;
+            vertex.normal = turn(vertex.normal, Vec3::Y, angle);
+            vertex.tangent = turn(vertex.tangent, Vec3::Y, angle);
+            vertex.shade *= tone;
+        }
+        mesh.append(&own);
+    }
+    mesh
+}
+
+/// Grass: a low tuft, a high one with ears, and a patch of each.
 pub fn grass() -> Model {
     let mut model = Model::default();
+    let mut patch_variants = Vec::new();
     for (letter, seed, size, ears, color) in [
         ('a', 91, 0.42, false, [0.095, 0.185, 0.035]),
         ('b', 92, 0.85, true, [0.125, 0.185, 0.045]),
@@ -176,10 +205,24 @@ pub fn grass() -> Model {
             }
             mesh
         });
+        // What covers the ground is needed in fewer cards and disappears where it is as high as a few pixels.
+        let [_, some, few] = &meshes;
+        let lods = [(some, 0.05), (few, 0.009)].map(|(tuft, coverage)| (patch(tuft, seed, size), coverage));
+        patch_variants.push(Variant {
+            name: format!("grass_patch_{letter}"),
+            lods: lods
+                .into_iter()
+                .map(|(mesh, screen_coverage)| Lod {
+                    parts: vec![Part { mesh, material }],
+                    screen_coverage,
+                })
+                .collect(),
+        });
         model
             .variants
             .push(variant(format!("grass_{letter}"), material, meshes));
     }
+    model.variants.extend(patch_variants);
     model
 }
 

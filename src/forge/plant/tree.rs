@@ -93,7 +93,7 @@ const LEVELS: [(WoodDetail, f32, f32); 3] = [
             tolerance: 0.03,
         },
         1.0,
-        0.42,
+        0.7,
     ),
     (
         WoodDetail {
@@ -103,7 +103,7 @@ const LEVELS: [(WoodDetail, f32, f32); 3] = [
             tolerance: 0.05,
         },
         0.42,
-        0.18,
+        0.3,
     ),
     (
         WoodDetail {
@@ -113,7 +113,7 @@ const LEVELS: [(WoodDetail, f32, f32); 3] = [
             tolerance: 0.14,
         },
         0.14,
-        0.07,
+        0.12,
     ),
 ];
 

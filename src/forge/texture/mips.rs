@@ -31,7 +31,64 @@ pub fn coverage_preserving_mips(picture: &Picture, cutoff: f32) -> Vec<Picture> 
     mips
 }
 
-/// Linear light and alpha.
+/// All mips of a colour picture without alpha test: averages in linear light.
+pub fn color_mips(picture: &Picture) -> Vec<Picture> {
+    let mut linear = Level::from_picture(picture);
+    let mut mips = vec![picture.clone()];
+    while linear.width > 1 || linear.height > 1 {
+        linear = linear.half();
+        let texels = linear.texels.iter().map(|[r, g, b, a]| {
+            let [r, g, b] = [r, g, b].map(|light| srgb_code(*light));
+            [r, g, b, unit_code(*a)]
+        });
+        mips.push(Picture {
+            name: picture.name.clone(),
+            width: linear.width,
+            texels: texels.collect(),
+            channels: picture.channels,
+        });
+    }
+    mips
+}
+
+/// All mips of a picture of normals: averages of the vectors, made unit length again; alpha is averaged.
+pub fn normal_mips(picture: &Picture) -> Vec<Picture> {
+    let vector = |code: u8| f32::from(code) / 127.5 - 1.0;
+    let mut level = Level {
+        width: picture.width,
+        height: picture.height(),
+        texels: (picture.texels.iter())
+            .map(|[x, y, z, a]| [vector(*x), vector(*y), vector(*z), f32::from(*a) / 255.0])
+            .collect(),
+    };
+    let mut mips = vec![picture.clone()];
+    while level.width > 1 || level.height > 1 {
+        level = level.half_unweighted();
+        let texels = level.texels.iter().map(|[x, y, z, a]| {
+            let length = (x * x + y * y + z * z).sqrt().max(1e-6);
+            let [x, y, z] = [x, y, z].map(|v| unit_code(v / length * 0.5 + 0.5));
+            [x, y, z, unit_code(*a)]
+        });
+        mips.push(Picture {
+            name: picture.name.clone(),
+            width: level.width,
+            texels: texels.collect(),
+            channels: picture.channels,
+        });
+    }
+    mips
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to 0..=255"
+)]
+fn unit_code(value: f32) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+/// Linear light and alpha, or vectors and alpha.
 struct Level {
     width: usize,
     height: usize,
@@ -63,7 +120,28 @@ impl Level {
         Self { width, height, texels }
     }
 
-    /// The mean of the 2 × 2 texels under a texel of the next level.
+    /// As [`half`](Self::half), but all four channels alike.
+    fn half_unweighted(&self) -> Self {
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        let texel = |x: usize, y: usize| {
+            let mut sum = [0.0; 4];
+            for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let column = (2 * x + dx).min(self.width - 1);
+                let row = (2 * y + dy).min(self.height - 1);
+                let own = self.texels[row * self.width + column];
+                sum = std::array::from_fn(|channel| sum[channel] + 0.25 * own[channel]);
+            }
+            sum
+        };
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        Self {
+            width,
+            height,
+            texels: places.map(|(x, y)| texel(x, y)).collect(),
+        }
+    }
+
+    /// The mean of the 2 × 2 texels under a texel of the next level, weighted by alpha.
     fn average(&self, x: usize, y: usize) -> [f32; 4] {
         let (mut weighted, mut plain, mut alpha) = ([0.0; 3], [0.0; 3], 0.0);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
@@ -175,6 +253,25 @@ mod tests {
         for texel in mips[1].texels.iter().filter(|texel| texel[3] > 0) {
             assert_eq!(texel[..3], [0, 200, 0]);
         }
+    }
+
+    #[test]
+    fn colors_are_averaged_in_linear_light_and_normals_as_vectors() {
+        let halves = |left: [u8; 4], right: [u8; 4]| {
+            Picture::from_fn(
+                "halves",
+                2,
+                1,
+                Channels::Rgba,
+                move |x, _| if x == 0 { left } else { right },
+            )
+        };
+        let mips = color_mips(&halves([0, 0, 255, 255], [255, 0, 255, 255]));
+        assert_eq!(mips.len(), 2);
+        assert_eq!(mips[1].texels, [[188, 0, 255, 255]]);
+        // Leaning 90 degrees to each other, at 45 degrees from z: their mean is z; depths are averaged.
+        let mips = normal_mips(&halves([218, 128, 218, 0], [38, 128, 218, 200]));
+        assert_eq!(mips[1].texels, [[128, 128, 255, 100]]);
     }
 
     #[test]
