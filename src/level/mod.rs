@@ -30,6 +30,7 @@ pub mod scatter;
 pub mod scene;
 pub mod scenery;
 pub mod shot;
+pub mod sky;
 pub mod spawn;
 pub mod terrain;
 pub mod validate;
@@ -57,6 +58,7 @@ impl Plugin for LevelPlugin {
             .init_resource::<RequestedScene>()
             .init_resource::<SceneStatus>()
             .init_resource::<load::Job>()
+            .add_plugins(sky::plugin)
             .add_systems(
                 Update,
                 (load::reload, load::start, load::advance_level, load_gltf::advance_gltf)
