@@ -11,6 +11,7 @@ use crate::{
         format::{Level, LevelShot},
         parse::parse,
         scene::SceneSource,
+        sky::course::clock,
     },
     shadow::technique::{KEYS, PRESETS, StockBias, Technique},
 };
@@ -70,6 +71,10 @@ fn shots(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
                 say("\nfor tuning, taken only with --shot");
                 level.tuning_shots.iter().for_each(|shot| say(shot_line(shot)));
             }
+            if !level.views.is_empty() {
+                say("\nfor pictures, taken only with --shot");
+                level.views.iter().for_each(|shot| say(shot_line(shot)));
+            }
         }
     }
     Ok(())
@@ -78,8 +83,9 @@ fn shots(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {
 fn shot_line(shot: &LevelShot) -> String {
     let (Vec3 { x, y, z }, (width, height)) = (shot.position, shot.size);
     let kind = shot.kind.map(|kind| format!("; {}", kind.about())).unwrap_or_default();
+    let hour = shot.hour.map(|hour| format!("; {}", clock(hour))).unwrap_or_default();
     let (name, near, far) = (&shot.name, shot.near, shot.far);
-    format!("{name:<20} from ({x}, {y}, {z}), {width}x{height}, {near}..{far} m{kind}")
+    format!("{name:<20} from ({x}, {y}, {z}), {width}x{height}, {near}..{far} m{hour}{kind}")
 }
 
 fn paths(assets: Option<&Path>, scene: &SceneSource) -> Result<(), Failure> {

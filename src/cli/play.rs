@@ -65,7 +65,7 @@ fn flight_args(args: &Play) -> Shoot {
 
 /// Shots along the scene's first camera path; of a scene without paths, its own shots in the flight's size.
 fn flight_of(scene: &LoadedScene) -> Vec<Shot> {
-    let along = |path| flight::shots(path, scene.sun.light_dir, FLIGHT_COUNT, FLIGHT_SIZE);
+    let along = |path| flight::shots(path, scene.sun.light_dir(), FLIGHT_COUNT, FLIGHT_SIZE);
     let shots = scene.paths.first().map(along).unwrap_or_default();
     if !shots.is_empty() {
         return shots;

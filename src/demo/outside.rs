@@ -3,7 +3,6 @@
 
 use bevy::{
     camera::{Viewport, visibility::RenderLayers},
-    core_pipeline::tonemapping::Tonemapping,
     prelude::*,
     window::PrimaryWindow,
 };
@@ -17,6 +16,7 @@ use super::{
     screens::{Activity, Screen},
 };
 use crate::{
+    level::sky::UnderSky,
     shadow::{gizmos::SunShadowGizmos, settings::WithoutSunShadows},
     ui::{help::HelpRoot, judge::JudgeRoot},
 };
@@ -98,7 +98,7 @@ fn spawn_or_despawn(mut commands: Commands, wanted: Res<OutsideView>, cameras: Q
             }),
             RenderLayers::from_layers(&[0, LINES_LAYER]),
             Msaa::Off,
-            Tonemapping::AcesFitted,
+            UnderSky,
             WithoutSunShadows,
             DespawnOnExit(Screen::Play),
         ));

@@ -1,9 +1,6 @@
 //! The player: a walker that carries the camera.
 
-use bevy::{
-    core_pipeline::{prepass::DepthPrepass, tonemapping::Tonemapping},
-    prelude::*,
-};
+use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 
 use super::{
     DemoSystems,
@@ -12,7 +9,7 @@ use super::{
     screens::Activity,
     walker::{Mode, Walker},
 };
-use crate::level::LoadedScene;
+use crate::level::{LoadedScene, sky::UnderSky};
 
 /// On the camera that the player sees through.
 #[derive(Component, Clone, Debug)]
@@ -39,8 +36,7 @@ pub(super) fn player(scene: &LoadedScene, mode: Mode) -> impl Bundle {
         // What the full path needs.
         Msaa::Off,
         DepthPrepass,
-        // Needs no look-up table.
-        Tonemapping::AcesFitted,
+        UnderSky,
     )
 }
 

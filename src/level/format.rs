@@ -6,7 +6,7 @@
 use bevy_math::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::shot::Shot;
+use super::{shot::Shot, sky::course::DayCourse};
 
 /// A level file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +34,9 @@ pub struct Level {
     /// Named cameras at other places under other suns, for choosing settings; taken only when they are named.
     #[serde(default)]
     pub tuning_shots: Vec<LevelShot>,
+    /// Named cameras for pictures at other hours; nothing is judged by them, and they are taken only when they are named.
+    #[serde(default)]
+    pub views: Vec<LevelShot>,
     /// Named camera flights.
     #[serde(default)]
     pub camera_paths: Vec<CameraPath>,
@@ -282,36 +285,92 @@ pub struct ScatterRule {
     pub clumping: f32,
 }
 
-/// Sun and sky. Colours are linear RGB.
+/// Where the sun stands, and the air that it shines through: light, sky, fog and exposure follow from both.
+///
+/// Exactly one of `light_dir` and `hour` says where the sun stands.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SunSettings {
     /// Direction in which sunlight travels; any length but zero.
-    pub light_dir: Vec3,
-    /// Lux on a surface that faces the sun.
-    pub illuminance: f32,
-    /// Colour of the sun.
-    pub color: Vec3,
-    /// Colour behind everything.
-    pub sky: Vec3,
-    /// Colour of the ambient light.
-    pub ambient_color: Vec3,
-    /// Ambient light in candela per square metre; π times this against the illuminance tells how deep shadows are.
-    pub ambient: f32,
+    #[serde(default)]
+    pub light_dir: Option<Vec3>,
+    /// Local solar time, 0..=24: the sun stands highest at 12.
+    #[serde(default)]
+    pub hour: Option<f32>,
+    /// Degrees north of the equator, for the course of the day.
+    #[serde(default = "default_latitude")]
+    pub latitude_deg: f32,
+    /// Day of the year, 1..=365.
+    #[serde(default = "default_day")]
+    pub day: u32,
+    /// What light passes through.
+    #[serde(default)]
+    pub air: Air,
+}
+
+/// Air and what keeps the sky's light away.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Air {
+    /// Optical depth of dust and droplets straight up: 0.02 over mountains, 0.1 on a clear day, 0.4 in haze. More makes the
+    /// sun weaker and the sky around it paler.
+    pub aerosol_depth: f32,
+    /// How far one sees through the haze near the ground, in metres: there a dark thing has lost 95 % of its contrast.
+    pub visibility: f32,
+    /// Share of the light of sky and ground that arrives, 0..=1: crowns and houses keep the rest.
+    pub sky_share: f32,
+}
+
+impl Default for Air {
+    /// A clear day in the lowlands under an open sky.
+    fn default() -> Self {
+        Self {
+            aerosol_depth: 0.1,
+            visibility: 6_000.0,
+            sky_share: 1.0,
+        }
+    }
 }
 
 impl Default for SunSettings {
-    /// A sun at 45° from the side, and shadows at 20 % of its light.
+    /// A sun at 45° from the side.
     fn default() -> Self {
         Self {
-            light_dir: Vec3::new(-0.5, -std::f32::consts::FRAC_1_SQRT_2, -0.5),
-            illuminance: 10_000.0,
-            color: Vec3::new(1.0, 0.95, 0.87),
-            sky: Vec3::new(0.35, 0.55, 0.85),
-            ambient_color: Vec3::new(0.75, 0.85, 1.0),
-            ambient: 640.0,
+            light_dir: Some(Vec3::new(-0.5, -std::f32::consts::FRAC_1_SQRT_2, -0.5)),
+            hour: None,
+            latitude_deg: default_latitude(),
+            day: default_day(),
+            air: Air::default(),
         }
     }
+}
+
+impl SunSettings {
+    /// The sun's path over the level.
+    #[must_use]
+    pub fn course(&self) -> DayCourse {
+        DayCourse {
+            latitude_deg: self.latitude_deg,
+            day: self.day,
+        }
+    }
+
+    /// Direction in which sunlight travels, as given or at the hour; at noon where neither is given.
+    #[must_use]
+    pub fn light_dir(&self) -> Vec3 {
+        self.light_dir
+            .unwrap_or_else(|| self.course().light_dir(self.hour.unwrap_or(12.0)))
+    }
+}
+
+/// Of middle Europe.
+fn default_latitude() -> f32 {
+    48.0
+}
+
+/// The longest one, 21 June.
+fn default_day() -> u32 {
+    172
 }
 
 /// Where the player starts, eyes included.
@@ -343,9 +402,12 @@ pub struct LevelShot {
     /// Picture size in pixels; default 1280 x 720.
     #[serde(default = "default_size")]
     pub size: (u32, u32),
-    /// Direction in which sunlight travels; absent: the level's.
+    /// Direction in which sunlight travels; absent: that of `hour`, or the level's.
     #[serde(default)]
     pub light_dir: Option<Vec3>,
+    /// Local solar time of the level's day, in place of `light_dir`.
+    #[serde(default)]
+    pub hour: Option<f32>,
     /// What makes the shot hard.
     #[serde(default)]
     pub kind: Option<ShotKind>,
@@ -461,9 +523,19 @@ impl Level {
         self.shots.iter().map(|shot| self.shot(shot)).collect()
     }
 
-    /// The same of [`Self::tuning_shots`].
-    pub fn tuning(&self) -> Vec<Shot> {
-        self.tuning_shots.iter().map(|shot| self.shot(shot)).collect()
+    /// The shots that are taken only when they are named: [`Self::tuning_shots`], then [`Self::views`].
+    pub fn named_only(&self) -> Vec<Shot> {
+        self.tuning_shots
+            .iter()
+            .chain(&self.views)
+            .map(|shot| self.shot(shot))
+            .collect()
+    }
+
+    /// Direction in which sunlight travels in a shot.
+    pub fn light_dir(&self, shot: &LevelShot) -> Vec3 {
+        let at_hour = || shot.hour.map(|hour| self.sun.course().light_dir(hour));
+        shot.light_dir.or_else(at_hour).unwrap_or_else(|| self.sun.light_dir())
     }
 
     fn shot(&self, shot: &LevelShot) -> Shot {
@@ -478,7 +550,7 @@ impl Level {
             far: shot.far,
             width: shot.size.0,
             height: shot.size.1,
-            light_dir: shot.light_dir.unwrap_or(self.sun.light_dir).to_array(),
+            light_dir: self.light_dir(shot).to_array(),
         }
     }
 }

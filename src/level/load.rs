@@ -24,7 +24,8 @@ use super::{
     scene::SceneSource,
     scenery,
     shot::Shot,
-    spawn::{self, LevelAssets, Palette, Prepared},
+    sky,
+    spawn::{LevelAssets, Palette, Prepared},
 };
 
 /// The scene that should be there. Setting it, even to the same value, despawns the old one and loads the new one;
@@ -60,8 +61,8 @@ pub struct LoadedScene {
     pub name: String,
     /// At least one.
     pub shots: Vec<Shot>,
-    /// For choosing settings; taken only when they are named.
-    pub tuning_shots: Vec<Shot>,
+    /// For choosing settings and for pictures; taken only when they are named.
+    pub named_only: Vec<Shot>,
     /// Where a player starts.
     pub spawn: Spawn,
     /// Sun and sky; shots may turn the sun.
@@ -245,7 +246,7 @@ pub(super) fn advance_level(
                 Ok(library) => {
                     let palette = Palette::new(&mut assets, std::mem::take(&mut prepared.models), library);
                     palette.spawn_statics(&mut commands, &mut assets, std::mem::take(&mut prepared.statics));
-                    spawn::spawn_sun(&mut commands, &level.sun);
+                    sky::spawn_sun(&mut commands, &level.sun);
                     Ok(Job::Spawn(Box::new(SpawnJob {
                         handle: handle.clone(),
                         level: level.clone(),
@@ -322,7 +323,7 @@ fn loaded(level: &Level, ground: Ground) -> LoadedScene {
     LoadedScene {
         name: level.name.clone(),
         shots: level.shots(),
-        tuning_shots: level.tuning(),
+        named_only: level.named_only(),
         spawn: level.spawn,
         sun: level.sun,
         ground,

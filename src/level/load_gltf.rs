@@ -15,7 +15,7 @@ use super::{
     ground::Ground,
     load::{Job, LevelEntity, LoadedScene, SceneStatus, loading, one_sentence},
     shot::Shot,
-    spawn,
+    sky,
 };
 
 /// A glTF file that is being loaded.
@@ -111,10 +111,10 @@ pub(super) fn advance_gltf(
                 )),
                 Some((min, max)) => {
                     let sun = SunSettings {
-                        light_dir: SUN,
+                        light_dir: Some(SUN),
                         ..default()
                     };
-                    spawn::spawn_sun(&mut commands, &sun);
+                    sky::spawn_sun(&mut commands, &sun);
                     let shot = framing_shot(name, min, max);
                     commands.insert_resource(LoadedScene {
                         spawn: Spawn {
@@ -122,7 +122,7 @@ pub(super) fn advance_gltf(
                             look_at: shot.target.into(),
                         },
                         shots: vec![shot],
-                        tuning_shots: Vec::new(),
+                        named_only: Vec::new(),
                         sun,
                         ground: Ground::flat(min.y),
                         paths: Vec::new(),

@@ -31,6 +31,7 @@ pub mod scene;
 pub mod scenery;
 pub mod shot;
 pub mod simple_trees;
+pub mod sky;
 pub mod spawn;
 pub mod species;
 pub mod terrain;
@@ -59,6 +60,7 @@ impl Plugin for LevelPlugin {
             .init_resource::<RequestedScene>()
             .init_resource::<SceneStatus>()
             .init_resource::<load::Job>()
+            .add_plugins(sky::plugin)
             .add_systems(
                 Update,
                 (load::reload, load::start, load::advance_level, load_gltf::advance_gltf)

@@ -57,8 +57,8 @@ mod tests {
     generator: Room(PlaneBox(side: 2.0)),
     terrain: (size: (60, 60)),
     sun: (
-        light_dir: (1, -1, 0), illuminance: 10000, color: (1, 1, 1), sky: (0.4, 0.6, 0.9),
-        ambient_color: (1, 1, 1), ambient: 500,
+        light_dir: (1, -1, 0), day: 172,
+        air: (aerosol_depth: 0.1),
     ),
     spawn: (position: (0, 2, 9), look_at: (0, 1, 0)),
     shots: [(name: "front", position: (0, 2, 9), target: (0, 1, 0), fov_y_deg: 60, near: 0.1, far: 100)],

@@ -11,9 +11,8 @@ use bevy::{
 };
 
 use super::{
-    format::SunSettings,
     library::{Library, placeholder},
-    load::{LevelEntity, Sun},
+    load::LevelEntity,
     meshes::MeshData,
     model::{Model, Placement},
     scenery::Scenery,
@@ -215,55 +214,5 @@ impl Palette {
         }
         commands.spawn_batch(always);
         commands.spawn_batch(ranged);
-    }
-}
-
-/// Spawns the sun and sets sky and ambient light.
-pub fn spawn_sun(commands: &mut Commands, sun: &SunSettings) {
-    let color = |rgb: Vec3| Color::linear_rgb(rgb.x, rgb.y, rgb.z);
-    commands.spawn((
-        Name::new("sun"),
-        DirectionalLight {
-            color: color(sun.color),
-            illuminance: sun.illuminance,
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        sun_transform(sun.light_dir),
-        Sun,
-        LevelEntity,
-    ));
-    commands.insert_resource(ClearColor(color(sun.sky)));
-    commands.insert_resource(GlobalAmbientLight {
-        color: color(sun.ambient_color),
-        brightness: sun.ambient,
-        ..default()
-    });
-}
-
-/// The transform of a light whose rays travel along `light_dir`.
-pub fn sun_transform(light_dir: Vec3) -> Transform {
-    let direction = light_dir.normalize_or(Vec3::NEG_Y);
-    let up = if direction.y.abs() < 0.999 { Vec3::Y } else { Vec3::Z };
-    Transform::default().looking_to(direction, up)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_sun_shines_along_its_direction() {
-        for light_dir in [
-            Vec3::new(1.0, -2.0, 0.5),
-            Vec3::NEG_Y,
-            Vec3::new(0.0, -5.0, 1e-4),
-            Vec3::Y,
-            Vec3::X,
-        ] {
-            let transform = sun_transform(light_dir);
-            assert!(transform.is_finite(), "{light_dir}");
-            assert!(transform.forward().dot(light_dir.normalize()) > 0.999_99, "{light_dir}");
-        }
     }
 }

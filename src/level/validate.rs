@@ -113,11 +113,14 @@ fn light_dir(field: &str, value: Vec3) -> Result<(), LevelError> {
     }
 }
 
-fn color(field: &str, value: Vec3) -> Result<(), LevelError> {
-    for (axis, value) in ["r", "g", "b"].into_iter().zip(value.to_array()) {
-        number(&format!("{field}.{axis}"), value, 0.0, 1.0)?;
+/// Where a sun stands: a direction, an hour, or neither.
+fn sun_stand(field: &str, direction: Option<Vec3>, hour: Option<f32>) -> Result<(), LevelError> {
+    match (direction, hour) {
+        (Some(_), Some(hour)) => Err(wrong(format!("{field}.hour"), hour, "absent where light_dir is given")),
+        (Some(direction), None) => light_dir(&format!("{field}.light_dir"), direction),
+        (None, Some(hour)) => number(&format!("{field}.hour"), hour, 0.0, 24.0),
+        (None, None) => Ok(()),
     }
-    Ok(())
 }
 
 fn name<'a>(field: &str, value: &'a str, seen: &mut BTreeSet<&'a str>) -> Result<(), LevelError> {
@@ -188,6 +191,11 @@ impl Level {
         }
         for (i, shot) in self.tuning_shots.iter().enumerate() {
             let field = format!("tuning_shots[{i}]");
+            name(&field, &shot.name, &mut names)?;
+            shot.validate(&field)?;
+        }
+        for (i, shot) in self.views.iter().enumerate() {
+            let field = format!("views[{i}]");
             name(&field, &shot.name, &mut names)?;
             shot.validate(&field)?;
         }
@@ -384,12 +392,15 @@ impl ScatterRule {
 
 impl SunSettings {
     fn validate(&self) -> Result<(), LevelError> {
-        light_dir("sun.light_dir", self.light_dir)?;
-        number("sun.illuminance", self.illuminance, 0.0, 1e6)?;
-        number("sun.ambient", self.ambient, 0.0, 1e6)?;
-        color("sun.color", self.color)?;
-        color("sun.sky", self.sky)?;
-        color("sun.ambient_color", self.ambient_color)
+        sun_stand("sun", self.light_dir, self.hour)?;
+        if self.light_dir.is_none() && self.hour.is_none() {
+            return Err(wrong("sun", "without light_dir and hour", "given one of them"));
+        }
+        number("sun.latitude_deg", self.latitude_deg, -90.0, 90.0)?;
+        count("sun.day", self.day, 1, 365)?;
+        number("sun.air.aerosol_depth", self.air.aerosol_depth, 0.0, 2.0)?;
+        number("sun.air.visibility", self.air.visibility, 10.0, 1e6)?;
+        number("sun.air.sky_share", self.air.sky_share, 0.0, 1.0)
     }
 }
 
@@ -401,10 +412,7 @@ impl LevelShot {
         number(&format!("{field}.far"), self.far, 1.01 * self.near, 1e6)?;
         count(&format!("{field}.size.0"), self.size.0, 1, 16_384)?;
         count(&format!("{field}.size.1"), self.size.1, 1, 16_384)?;
-        match self.light_dir {
-            Some(value) => light_dir(&format!("{field}.light_dir"), value),
-            None => Ok(()),
-        }
+        sun_stand(field, self.light_dir, self.hour)
     }
 }
 

@@ -78,7 +78,7 @@ impl Game {
         let scene = LoadedScene {
             name,
             shots: vec![],
-            tuning_shots: vec![],
+            named_only: vec![],
             spawn: Spawn {
                 position: Vec3::new(0.0, 1.7, 0.0),
                 look_at: Vec3::new(0.0, 1.7, -1.0),

@@ -54,6 +54,7 @@ fn shots_stand_in_the_air_above_the_ground() {
             .shots
             .iter()
             .chain(&level.tuning_shots)
+            .chain(&level.views)
             .map(|shot| (shot.name.clone(), shot.position))
             .collect();
         eyes.push(("spawn".into(), level.spawn.position));
@@ -122,7 +123,7 @@ fn fixed_shots_have_their_kinds_and_tuning_shots_are_others() {
         }
         for shot in &level.shots {
             let what = format!("{name} {}", shot.name);
-            let light = shot.light_dir.unwrap_or(level.sun.light_dir).normalize();
+            let light = level.light_dir(shot).normalize();
             let view = shot.target - shot.position;
             let along = |vector: Vec3| vector.with_y(0.0).normalize();
             let height = shot.position.y - ground.height(shot.position.x, shot.position.z);
@@ -143,7 +144,7 @@ fn fixed_shots_have_their_kinds_and_tuning_shots_are_others() {
         for tuning in &level.tuning_shots {
             for shot in &level.shots {
                 let apart = tuning.position.distance(shot.position);
-                let suns = [tuning, shot].map(|shot| shot.light_dir.unwrap_or(level.sun.light_dir).normalize());
+                let suns = [tuning, shot].map(|shot| level.light_dir(shot).normalize());
                 assert!(
                     apart > 5.0,
                     "{name}: {} and {} are {apart} m apart",
@@ -241,9 +242,20 @@ fn wrong_values_are_named() {
         ),
         ("scatter[2].scale.0", Box::new(|l| l.scatter[2].scale.0 = -1.0)),
         ("scatter[2].clumping", Box::new(move |l| l.scatter[2].clumping = nan)),
-        ("sun.light_dir", Box::new(|l| l.sun.light_dir = Vec3::ZERO)),
-        ("sun.illuminance", Box::new(move |l| l.sun.illuminance = nan)),
-        ("sun.sky.g", Box::new(|l| l.sun.sky.y = 2.0)),
+        ("sun.light_dir", Box::new(|l| l.sun.light_dir = Some(Vec3::ZERO))),
+        ("sun", Box::new(|l| l.sun.light_dir = None)),
+        ("sun.hour", Box::new(|l| l.sun.hour = Some(9.0))),
+        (
+            "sun.hour",
+            Box::new(|l| (l.sun.light_dir, l.sun.hour) = (None, Some(24.5))),
+        ),
+        ("sun.latitude_deg", Box::new(|l| l.sun.latitude_deg = 91.0)),
+        ("sun.day", Box::new(|l| l.sun.day = 0)),
+        ("sun.air.aerosol_depth", Box::new(move |l| l.sun.air.aerosol_depth = nan)),
+        ("sun.air.visibility", Box::new(|l| l.sun.air.visibility = 0.0)),
+        ("sun.air.sky_share", Box::new(|l| l.sun.air.sky_share = 2.0)),
+        ("views[1].hour", Box::new(|l| l.views[1].hour = Some(-1.0))),
+        ("views", Box::new(|l| l.views[0].name = "path".into())),
         ("spawn.position", Box::new(|l| l.spawn.position = Vec3::INFINITY)),
         ("spawn.look_at", Box::new(|l| l.spawn.look_at = l.spawn.position)),
         ("shots", Box::new(|l| l.shots.clear())),

@@ -84,7 +84,7 @@ fn a_room_becomes_ready_with_everything_in_it() {
     let (light, transform) = suns.single(app.world()).unwrap();
     assert!(light.shadow_maps_enabled);
     let scene = app.world().resource::<LoadedScene>();
-    assert!(transform.forward().dot(scene.sun.light_dir.normalize()) > 0.9999);
+    assert!(transform.forward().dot(scene.sun.light_dir().normalize()) > 0.9999);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_broken_level_file_fails_with_file_line_and_field() {
     let good = fs::read_to_string(root().levels().join("room/plane_box.level.ron")).unwrap();
     let write =
         |name: &str, text: String| fs::write(folder.path().join(format!("levels/{name}.level.ron")), text).unwrap();
-    write("typo", good.replace("illuminance:", "iluminance:"));
+    write("typo", good.replace("light_dir:", "light_dirr:"));
     write(
         "nan",
         good.replace("seed: 1", "seed: 1").replace("near: 0.5", "near: NaN"),
@@ -183,7 +183,7 @@ fn a_broken_level_file_fails_with_file_line_and_field() {
     let root = find::asset_root(Some(folder.path())).unwrap();
     let mut app = app_with(&root);
     for (name, parts) in [
-        ("typo", ["levels/typo.level.ron", "line 9", "iluminance"]),
+        ("typo", ["levels/typo.level.ron", "line 8", "light_dirr"]),
         ("nan", ["levels/nan.level.ron", "`shots[0].near`", "NaN"]),
         (
             "renamed",

@@ -14,7 +14,7 @@ use umbrage::{
     cli::headless::{self, Pipelines},
     level::{
         LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root, scene::SceneSource, shot::Shot,
-        spawn::sun_transform,
+        sky::sun_transform,
     },
     render::{
         capture,

@@ -133,7 +133,7 @@ fn route(scene: &LoadedScene, args: &BenchArgs) -> Result<Route, Failure> {
         None => scene.paths.first(),
     };
     let route = match (path, scene.shots.first()) {
-        (Some(path), _) => Route::along(path, scene.sun.light_dir, args.frames, size),
+        (Some(path), _) => Route::along(path, scene.sun.light_dir(), args.frames, size),
         (None, Some(shot)) => {
             remark(format!(
                 "{} has no camera paths: the camera goes round what the shot {} looks at",

@@ -178,7 +178,7 @@ impl Session<'_> {
                 loaded.notes.iter().for_each(remark);
                 let mut shots = (self.shots_of_scene)(loaded);
                 if !self.args.shot.is_empty() {
-                    shots.extend(loaded.tuning_shots.iter().cloned());
+                    shots.extend(loaded.named_only.iter().cloned());
                 }
                 shots
             }

@@ -3,11 +3,8 @@
 use std::collections::BTreeMap;
 
 use bevy::{
-    camera::{Exposure, RenderTarget},
-    core_pipeline::{
-        prepass::DepthPrepass,
-        tonemapping::{DebandDither, Tonemapping},
-    },
+    camera::RenderTarget,
+    core_pipeline::{prepass::DepthPrepass, tonemapping::DebandDither},
     light::{CascadeShadowConfig, CascadeShadowConfigBuilder, DirectionalLightShadowMap},
     prelude::*,
     render::render_resource::TextureFormat,
@@ -20,7 +17,10 @@ use crate::{
         headless::{self, Pipelines},
         pass::Pass,
     },
-    level::{shot::Shot, spawn::sun_transform},
+    level::{
+        shot::Shot,
+        sky::{UnderSky, sun_transform},
+    },
     render::{
         capture::{self, Texels},
         mask::ShadowMask,
@@ -84,9 +84,7 @@ impl Stage {
         let mut camera = world.spawn((
             Camera3d::default(),
             RenderTarget::Image(color.clone().into()),
-            Exposure::default(),
-            // Needs no look-up table.
-            Tonemapping::AcesFitted,
+            UnderSky,
             DebandDither::Disabled,
             Msaa::Off,
             DepthPrepass,
