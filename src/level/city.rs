@@ -191,7 +191,7 @@ fn ground_tiles(level: &Level, edge: Vec2) -> Vec<Static> {
                     mesh.indices.extend([a, c, d, a, d, b]);
                 }
             }
-            tiles.push(Static { name: "ground", mesh });
+            tiles.push(Static::colored("ground", mesh));
         }
     }
     tiles
@@ -216,7 +216,7 @@ fn slab(block: &Block, city: &City) -> Static {
         Land::Built(t) if t > SUBURB => layer(city.pavement, KERB + 0.03, GRASS),
         Land::Built(_) | Land::Tower => {}
     }
-    Static { name: "block", mesh }
+    Static::colored("block", mesh)
 }
 
 /// Dashes in the middle of streets and zebra stripes across the avenues' crossing.
@@ -245,7 +245,7 @@ fn markings(xs: &[(f32, f32)], zs: &[(f32, f32)]) -> Vec<Static> {
                     mark(block.0 + 2.2, off, 2.8, 0.5);
                 }
             }
-            statics.push(Static { name: "markings", mesh });
+            statics.push(Static::colored("markings", mesh));
         }
     }
     statics
@@ -401,10 +401,7 @@ fn park(rng: &mut ChaCha8Rng, city: &City, block: &Block, placements: &mut Vec<P
             placements.push(Placement::upright(Model::Bench, on_pavement(bench), facing(-out)));
         }
     }
-    statics.push(Static {
-        name: "railing",
-        mesh: railing,
-    });
+    statics.push(Static::colored("railing", railing));
 }
 
 /// Lamps and street trees along the kerbs.

@@ -7,7 +7,7 @@ use super::{
     ground::{Ground, Surface},
     model::{Model, Placement, Tint},
     scatter::{self, Thrown},
-    scenery::{Scenery, Static},
+    scenery::{Finish, Scenery, Static},
     species,
     terrain::{Terrain, Track},
 };
@@ -18,11 +18,20 @@ pub const HUT_FREE: f32 = 7.0;
 /// Generates a forest.
 pub fn generate(level: &Level, forest: &Forest) -> Scenery {
     let terrain = Terrain::new(&level.terrain, level.seed);
-    let statics = terrain
-        .tiles()
-        .into_iter()
-        .map(|mesh| Static { name: "terrain", mesh })
+    let mut statics: Vec<Static> = (terrain.tiles().into_iter().zip(terrain.covers()))
+        .map(|(mesh, cover)| Static {
+            name: "terrain",
+            mesh,
+            finish: Finish::Cover(cover),
+        })
         .collect();
+    statics.extend(terrain.clearings().iter().filter_map(|clearing| {
+        Some(Static {
+            name: "water",
+            mesh: terrain.water(clearing)?,
+            finish: Finish::Water,
+        })
+    }));
     let away_from_huts = |p: Vec2| forest.huts.iter().all(|hut| p.distance(hut.position) > HUT_FREE);
     let thrown = scatter::scatter(&terrain, &level.scatter, away_from_huts, level.seed);
     let mut placements: Vec<Placement> = thrown.iter().map(|thrown| plant(&terrain, thrown)).collect();

@@ -187,6 +187,19 @@ pub struct Clearing {
     pub center: Vec2,
     /// No tree stands nearer to the middle.
     pub radius: f32,
+    /// Water in the middle.
+    #[serde(default)]
+    pub pond: Option<Pond>,
+}
+
+/// Water in a hollow of a clearing; one can wade in it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pond {
+    /// Radius of the hollow, bank excluded; well below the clearing's.
+    pub radius: f32,
+    /// Depth of the water in the middle.
+    pub depth: f32,
 }
 
 /// A path through the terrain: a smooth curve through its points.

@@ -12,6 +12,7 @@ use bevy::prelude::*;
 
 pub mod buildings;
 pub mod city;
+pub mod cover;
 pub mod find;
 pub mod forest;
 pub mod format;
@@ -60,6 +61,7 @@ impl Plugin for LevelPlugin {
             .init_resource::<RequestedScene>()
             .init_resource::<SceneStatus>()
             .init_resource::<load::Job>()
+            .add_plugins(cover::plugin)
             .add_plugins(sky::plugin)
             .add_systems(
                 Update,

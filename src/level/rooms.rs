@@ -74,10 +74,7 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 };
                 for (x, y) in [(-1.0, 0.99), (1.0, 0.99), (-1.0, 0.9), (1.0, 0.9)] {
                     let end = |z: f32| Vec3::new(x, y * height, z);
-                    statics.push(Static {
-                        name: "wire",
-                        mesh: props::wire(end(*z), end(*next), sag, diameter),
-                    });
+                    statics.push(Static::colored("wire", props::wire(end(*z), end(*next), sag, diameter)));
                 }
             }
         }
@@ -147,5 +144,5 @@ fn plane(size: Vec2) -> Static {
             );
         }
     }
-    Static { name: "plane", mesh }
+    Static::colored("plane", mesh)
 }

@@ -91,6 +91,10 @@ fn allowed(terrain: &Terrain, rule: &ScatterRule, p: Vec2) -> bool {
             .tracks()
             .iter()
             .all(|track| track.distance(p) > track_distance(rule.species, track))
+        && terrain.clearings().iter().all(|clearing| {
+            let shore = clearing.pond.map_or(0.0, |pond| pond.radius + 1.0);
+            p.distance(clearing.center) > shore
+        })
 }
 
 /// Things by square cells.

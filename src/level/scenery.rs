@@ -1,7 +1,9 @@
 //! [`Scenery`]: a whole level as values, before anything is spawned.
 
 use super::{
-    city, forest,
+    city,
+    cover::Cover,
+    forest,
     format::{Generator, Level},
     ground::Ground,
     meshes::MeshData,
@@ -27,6 +29,30 @@ pub struct Static {
     pub name: &'static str,
     /// Triangles, opaque.
     pub mesh: MeshData,
+    /// How its surface looks.
+    pub finish: Finish,
+}
+
+/// How the surface of a [`Static`] looks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Finish {
+    /// In the vertices' colours, dull.
+    Colored,
+    /// Tiles of ground; the vertices' colours stand in where their file is missing.
+    Cover(Cover),
+    /// Still, dark water.
+    Water,
+}
+
+impl Static {
+    /// A mesh with vertex colours.
+    pub fn colored(name: &'static str, mesh: MeshData) -> Self {
+        Self {
+            name,
+            mesh,
+            finish: Finish::Colored,
+        }
+    }
 }
 
 /// Generates a level: the same for the same level, on every machine.

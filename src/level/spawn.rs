@@ -6,16 +6,18 @@ use bevy::{
     asset::RenderAssetUsages,
     camera::{primitives::Aabb, visibility::VisibilityRange},
     ecs::system::SystemParam,
+    light::NotShadowCaster,
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
 
 use super::{
+    cover::{self, Cover, CoverMaterial, TILES},
     library::{Library, placeholder},
     load::LevelEntity,
     meshes::MeshData,
     model::{Model, Placement},
-    scenery::Scenery,
+    scenery::{Finish, Scenery},
 };
 
 /// A mesh that is ready for Bevy, with its box.
@@ -37,8 +39,8 @@ impl ReadyMesh {
 
 /// A level whose meshes are built: everything that takes time and needs no world.
 pub struct Prepared {
-    /// Meshes in world space.
-    pub statics: Vec<(&'static str, ReadyMesh)>,
+    /// Meshes in world space, and how they look.
+    pub statics: Vec<(&'static str, ReadyMesh, Finish)>,
     /// Every model that is built here.
     pub models: Vec<(Model, ReadyMesh)>,
     /// Every model file that is needed, without extension.
@@ -64,6 +66,13 @@ impl Prepared {
                 }
             }
         }
+        if scenery
+            .statics
+            .iter()
+            .any(|part| matches!(part.finish, Finish::Cover(_)))
+        {
+            files.insert(cover::FILE);
+        }
         let total = models.len().max(1) as f32;
         let build = |(i, model): (usize, Model)| {
             report(i as f32 / total);
@@ -75,7 +84,7 @@ impl Prepared {
             statics: scenery
                 .statics
                 .into_iter()
-                .filter_map(|part| Some((part.name, ReadyMesh::new(part.mesh)?)))
+                .filter_map(|part| Some((part.name, ReadyMesh::new(part.mesh)?, part.finish)))
                 .collect(),
             placements: scenery.placements,
             ground: scenery.ground,
@@ -106,6 +115,8 @@ pub struct LevelAssets<'w> {
     pub meshes: ResMut<'w, Assets<Mesh>>,
     /// Materials.
     pub materials: ResMut<'w, Assets<StandardMaterial>>,
+    /// Materials of ground.
+    pub covers: ResMut<'w, Assets<CoverMaterial>>,
     /// Pictures.
     pub images: ResMut<'w, Assets<Image>>,
 }
@@ -113,6 +124,7 @@ pub struct LevelAssets<'w> {
 /// Shared handles of a level that is being spawned.
 pub struct Palette {
     solid: Handle<StandardMaterial>,
+    water: Handle<StandardMaterial>,
     models: HashMap<Model, (Handle<Mesh>, Aabb)>,
     library: Library,
     stand_in: (Handle<Mesh>, Aabb),
@@ -128,6 +140,13 @@ impl Palette {
             solid: assets.materials.add(StandardMaterial {
                 perceptual_roughness: 0.95,
                 reflectance: 0.25,
+                ..default()
+            }),
+            // Dark ground seen through it, and a mirror of the sky.
+            water: assets.materials.add(StandardMaterial {
+                base_color: Color::linear_rgb(0.012, 0.018, 0.014),
+                perceptual_roughness: 0.06,
+                reflectance: 0.35,
                 ..default()
             }),
             models: models
@@ -149,19 +168,37 @@ impl Palette {
 
     /// Spawns meshes in world space.
     pub fn spawn_statics(
-        &self,
+        &mut self,
         commands: &mut Commands,
         assets: &mut LevelAssets,
-        statics: Vec<(&'static str, ReadyMesh)>,
+        statics: Vec<(&'static str, ReadyMesh, Finish)>,
     ) {
-        for (name, ready) in statics {
-            commands.spawn((
-                Name::new(name),
-                Mesh3d(assets.meshes.add(ready.mesh)),
-                MeshMaterial3d(self.solid.clone()),
-                ready.aabb,
-                LevelEntity,
-            ));
+        let mut covers: HashMap<[&str; TILES], Option<Handle<CoverMaterial>>> = HashMap::new();
+        for (name, mut ready, finish) in statics {
+            let mut cover = None;
+            if let Finish::Cover(Cover { tiles, weights }) = &finish {
+                let material =
+                    covers
+                        .entry(*tiles)
+                        .or_insert_with(|| match self.library.cover(*tiles, &mut assets.images) {
+                            Ok(material) => Some(assets.covers.add(material)),
+                            Err(sentence) => {
+                                self.library.notes.push(sentence);
+                                None
+                            }
+                        });
+                if material.is_some() {
+                    ready.mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, weights.clone());
+                }
+                cover = material.clone();
+            }
+            let mesh = Mesh3d(assets.meshes.add(ready.mesh));
+            let mut entity = commands.spawn((Name::new(name), mesh, ready.aabb, LevelEntity));
+            match (cover, finish) {
+                (Some(cover), _) => entity.insert(MeshMaterial3d(cover)),
+                (None, Finish::Water) => entity.insert((MeshMaterial3d(self.water.clone()), NotShadowCaster)),
+                (None, _) => entity.insert(MeshMaterial3d(self.solid.clone())),
+            };
         }
     }
 

@@ -1,8 +1,9 @@
 //! [`Terrain`]: a height field with tracks and clearings, and its mesh.
 
-use bevy_math::{Vec2, Vec3};
+use bevy_math::{Vec2, Vec3, Vec4};
 
 use super::{
+    cover::{Cover, TILES},
     format::{Clearing, TerrainShape, TrackShape},
     meshes::{MeshData, Rgb},
     noise,
@@ -12,6 +13,12 @@ use super::{
 pub const CELL: f32 = 2.0;
 /// Cells along a side of a mesh tile.
 const TILE: usize = 40;
+/// Width of a pond's bank in metres.
+const BANK: f32 = 3.0;
+/// How far a pond's water stands below the ground around it, in metres.
+const FREEBOARD: f32 = 0.4;
+/// Corners of a pond's water.
+const POND_SIDES: u32 = 48;
 /// How far from its edge a track pulls the ground level, in metres.
 const SHOULDER: f32 = 5.0;
 
@@ -41,9 +48,14 @@ pub struct Track {
 }
 
 impl Track {
-    /// The curve through the points of a level file (Catmull and Rom).
+    /// The path of a level file.
     fn new(shape: &TrackShape) -> Self {
-        let corners = &shape.points;
+        let free = shape.fence.map_or(0.0, |fence| fence.offset).max(0.5 * shape.width);
+        Self::along(&shape.points, shape.width, free)
+    }
+
+    /// The curve through corners (Catmull and Rom).
+    fn along(corners: &[Vec2], width: f32, free: f32) -> Self {
         let at = |i: isize| corners[i.clamp(0, corners.len() as isize - 1) as usize];
         let mut points = vec![corners[0]];
         for i in 0..corners.len() as isize - 1 {
@@ -61,8 +73,8 @@ impl Track {
         Self {
             heights: vec![0.0; points.len()],
             points,
-            width: shape.width,
-            free: shape.fence.map_or(0.0, |fence| fence.offset).max(0.5 * shape.width),
+            width,
+            free,
         }
     }
 
@@ -139,7 +151,13 @@ impl Terrain {
         for j in 0..=cells[1] {
             for i in 0..=cells[0] {
                 let p = terrain.corner(i, j);
-                let height = tracks.iter().fold(level(p), |height, track| {
+                let height = shape.clearings.iter().fold(level(p), |height, clearing| {
+                    let Some(pond) = clearing.pond else { return height };
+                    let distance = p.distance(clearing.center);
+                    let inside = 1.0 - smoothstep(0.6 * pond.radius, pond.radius + BANK, distance);
+                    height - (pond.depth + FREEBOARD) * inside
+                });
+                let height = tracks.iter().fold(height, |height, track| {
                     let (distance, trodden) = track.nearest(p);
                     let inside =
                         1.0 - smoothstep(0.5 * track.width + CELL, 0.5 * track.width + CELL + SHOULDER, distance);
@@ -183,6 +201,26 @@ impl Terrain {
     /// The tracks.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
+    }
+
+    /// The water of a pond: a disc that reaches under its shore. `None`: a clearing without pond.
+    pub fn water(&self, clearing: &Clearing) -> Option<MeshData> {
+        let pond = clearing.pond?;
+        let mut mesh = MeshData::default();
+        let bank = self.height(clearing.center) + pond.depth;
+        let place = |offset: Vec2| {
+            let p = clearing.center + offset;
+            Vec3::new(p.x, bank, p.y)
+        };
+        mesh.push_vertex(place(Vec2::ZERO), Vec3::Y, [1.0; 3], Vec2::ZERO);
+        for side in 0..POND_SIDES {
+            let angle = std::f32::consts::TAU * side as f32 / POND_SIDES as f32;
+            let rim = place(Vec2::from_angle(angle) * (pond.radius + BANK));
+            mesh.push_vertex(rim, Vec3::Y, [1.0; 3], Vec2::ZERO);
+            let next = (side + 1) % POND_SIDES;
+            mesh.indices.extend([0, next + 1, side + 1]);
+        }
+        Some(mesh)
     }
 
     /// The clearings.
@@ -254,30 +292,57 @@ impl Terrain {
         mesh
     }
 
-    /// Grass, dry grass, earth and rock.
-    fn color(&self, p: Vec2, normal: Vec3) -> Rgb {
-        let grass = Vec3::new(0.10, 0.17, 0.035);
-        let dry = Vec3::new(0.24, 0.23, 0.075);
-        let litter = Vec3::new(0.13, 0.095, 0.05);
-        let earth = Vec3::new(0.33, 0.25, 0.16);
-        let stone = Vec3::new(0.26, 0.25, 0.23);
-        let patches = smoothstep(-0.25, 0.35, noise::octaves(self.seed ^ 77, p / 19.0, 3));
+    /// Forest floor, grass, trodden path and rock at a place; their sum is the brightness.
+    fn weights(&self, p: Vec2, normal: Vec3) -> [f32; TILES] {
+        let patches = smoothstep(-0.1, 0.45, noise::octaves(self.seed ^ 77, p / 19.0, 3));
         let meadow = self
             .clearings
             .iter()
-            .map(|c| 1.0 - smoothstep(0.8 * c.radius, 1.4 * c.radius, p.distance(c.center)));
-        let meadow = meadow.fold(0.0, f32::max);
-        let mut color = litter.lerp(grass, patches.max(meadow));
-        color = color.lerp(
-            dry,
-            0.6 * smoothstep(0.0, 0.5, noise::octaves(self.seed ^ 78, p / 31.0, 3)),
-        );
-        color = color.lerp(stone, smoothstep(0.55, 0.75, 1.0 - normal.y.powi(2)));
+            .map(|c| 1.0 - smoothstep(0.7 * c.radius, 1.35 * c.radius, p.distance(c.center)));
+        let grass = (0.8 * patches).max(meadow.fold(0.0, f32::max));
+        let steep = smoothstep(0.42, 0.7, 1.0 - normal.y.powi(2));
+        let mut weights = Vec4::new(1.0 - grass, grass, 0.0, 0.0).lerp(Vec4::W, steep);
         for track in &self.tracks {
             let half = 0.5 * track.width;
-            color = color.lerp(earth, 1.0 - smoothstep(half - 0.6, half + 1.4, track.distance(p)));
+            let trodden = 1.0 - smoothstep(half - 0.6, half + 1.4, track.distance(p));
+            weights = weights.lerp(Vec4::Z, trodden);
         }
-        color *= 1.0 + 0.18 * noise::signed(self.seed, (p.x * 8.0) as i32, (p.y * 8.0) as i32);
+        for clearing in &self.clearings {
+            let Some(pond) = clearing.pond else { continue };
+            let distance = p.distance(clearing.center);
+            let washed = 1.0 - smoothstep(0.8 * pond.radius, pond.radius + 0.6 * BANK, distance);
+            weights = weights.lerp(Vec4::new(0.2, 0.0, 0.5, 0.3) * 0.6, washed);
+        }
+        let broad = noise::octaves(self.seed ^ 78, p / 31.0, 3);
+        let fine = noise::signed(self.seed, (p.x * 8.0) as i32, (p.y * 8.0) as i32);
+        (weights * (1.0 + 0.35 * broad + 0.06 * fine)).to_array()
+    }
+
+    /// What lies on the tiles of [`tiles`](Self::tiles), in the same order.
+    pub fn covers(&self) -> Vec<Cover> {
+        let cover = |mesh: &MeshData| Cover {
+            tiles: ["forest_floor", "grass", "path", "rock"],
+            weights: (mesh.positions.iter().zip(&mesh.normals))
+                .map(|(p, normal)| self.weights(Vec2::new(p.x, p.z), *normal))
+                .collect(),
+        };
+        self.tiles().iter().map(cover).collect()
+    }
+
+    /// The colour of a place without tiles.
+    fn color(&self, p: Vec2, normal: Vec3) -> Rgb {
+        let colors = [
+            Vec3::new(0.11, 0.085, 0.05),
+            Vec3::new(0.10, 0.17, 0.035),
+            Vec3::new(0.30, 0.23, 0.15),
+            Vec3::new(0.26, 0.25, 0.23),
+        ];
+        let weights = self.weights(p, normal);
+        let color: Vec3 = colors
+            .into_iter()
+            .zip(weights)
+            .map(|(color, weight)| color * weight)
+            .sum();
         color.clamp(Vec3::ZERO, Vec3::ONE).to_array()
     }
 }
@@ -300,6 +365,10 @@ mod tests {
             clearings: vec![Clearing {
                 center: Vec2::new(-20.0, 10.0),
                 radius: 12.0,
+                pond: Some(Pond {
+                    radius: 5.0,
+                    depth: 1.0,
+                }),
             }],
             tracks: vec![TrackShape {
                 width: 3.0,
@@ -360,6 +429,39 @@ mod tests {
             let height = terrain.height(Vec2::new(-20.0, 10.0) + offset);
             assert!((height - middle).abs() < 0.5, "{height} {middle}");
         }
+    }
+
+    #[test]
+    fn a_pond_holds_its_water() {
+        let terrain = Terrain::new(&shape(), 3);
+        let clearing = terrain.clearings()[0];
+        let pond = clearing.pond.unwrap();
+        let water = terrain.water(&clearing).unwrap();
+        let surface = water.positions[0].y;
+        assert!((surface - terrain.height(clearing.center) - pond.depth).abs() < 0.1);
+        for step in 0..24 {
+            let out = Vec2::from_angle(std::f32::consts::TAU * step as f32 / 24.0);
+            let at = |distance: f32| terrain.height(clearing.center + out * distance);
+            assert!(at(0.5 * pond.radius) < surface - 0.5 * pond.depth, "shallow at {out}");
+            assert!(at(pond.radius + BANK) > surface + 0.1, "water over the bank at {out}");
+        }
+        for triangle in water.indices.chunks(3) {
+            let [a, b, c] = [0, 1, 2].map(|k| water.positions[triangle[k] as usize]);
+            assert!((b - a).cross(c - a).y > 0.0, "water looks down");
+        }
+    }
+
+    #[test]
+    fn weights_say_what_lies_where() {
+        let terrain = Terrain::new(&shape(), 3);
+        let most = |p: Vec2| {
+            let weights = terrain.weights(p, Vec3::Y);
+            (0..TILES).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap()
+        };
+        assert_eq!(most(terrain.tracks()[0].points[12]), 2);
+        assert_eq!(most(Vec2::new(-20.0, 10.0)), 2);
+        assert_eq!(most(Vec2::new(-20.0, 20.0)), 1);
+        assert_eq!(terrain.covers().len(), terrain.tiles().len());
     }
 
     #[test]

@@ -292,6 +292,15 @@ impl TerrainShape {
         for (i, clearing) in self.clearings.iter().enumerate() {
             inside(&format!("terrain.clearings[{i}].center"), clearing.center, self.size)?;
             number(&format!("terrain.clearings[{i}].radius"), clearing.radius, 0.1, 1_000.0)?;
+            if let Some(pond) = clearing.pond {
+                number(
+                    &format!("terrain.clearings[{i}].pond.radius"),
+                    pond.radius,
+                    1.0,
+                    clearing.radius,
+                )?;
+                number(&format!("terrain.clearings[{i}].pond.depth"), pond.depth, 0.1, 10.0)?;
+            }
         }
         for (i, track) in self.tracks.iter().enumerate() {
             let field = format!("terrain.tracks[{i}]");

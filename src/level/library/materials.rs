@@ -8,6 +8,8 @@ use crate::level::model::Tint;
 /// A material before tinting.
 #[derive(Clone, Debug)]
 pub(super) struct Look {
+    /// In its file.
+    pub(super) name: String,
     material: StandardMaterial,
     /// Does a placement's tint multiply its colour?
     pub(super) takes_tint: bool,
@@ -55,6 +57,7 @@ impl Look {
             ..default()
         };
         Self {
+            name: name.to_owned(),
             material,
             takes_tint: is_impostor || TINTED.iter().any(|start| name.starts_with(start)),
             is_impostor,
@@ -72,6 +75,15 @@ impl Look {
             (&mut self.material.base_color_texture, Purpose::Color { cutoff, levels }),
             (&mut self.material.normal_map_texture, Purpose::Normal { levels }),
         ]
+    }
+
+    /// Its pictures of colour and normals.
+    pub(super) fn color_and_normal(&self) -> Option<[&Handle<Image>; 2]> {
+        let material = &self.material;
+        Some([
+            material.base_color_texture.as_ref()?,
+            material.normal_map_texture.as_ref()?,
+        ])
     }
 
     /// The material with its colour multiplied.

@@ -26,7 +26,10 @@ pub mod pictures;
 pub mod placeholder;
 pub mod structure;
 
-use super::model::{AssetRef, Tint};
+use super::{
+    cover::{self, CoverMaterial},
+    model::{AssetRef, Tint},
+};
 use materials::Look;
 
 /// One material's triangles of one level of detail.
@@ -79,6 +82,36 @@ impl Library {
     pub fn shape(&self, asset: AssetRef) -> Option<&Shape> {
         let shapes = &self.files.get(asset.file)?.shapes;
         shapes.get(asset.variant as usize % shapes.len().max(1))
+    }
+
+    /// The material that covers ground with these tiles of [`cover::FILE`].
+    ///
+    /// # Errors
+    /// One sentence: the file could not be used, or lacks a tile.
+    pub fn cover(&self, tiles: [&str; cover::TILES], images: &mut Assets<Image>) -> Result<CoverMaterial, String> {
+        let in_file = |text: String| format!("cannot cover the ground: {FOLDER}/{}.glb {text}", cover::FILE);
+        let file = self
+            .files
+            .get(cover::FILE)
+            .ok_or_else(|| in_file("could not be used".into()))?;
+        let find = |name: &str| {
+            let look = file.looks.iter().position(|look| look.name == name)?;
+            let mut parts = file.shapes.iter().flat_map(|shape| shape.lods.iter().flatten());
+            let width = 2.0 * parts.find(|part| part.look == look)?.aabb.half_extents.x;
+            let [color, normal] = file.looks[look].color_and_normal()?;
+            Some(cover::Tile {
+                color: images.get(color)?,
+                normal: images.get(normal)?,
+                width,
+            })
+        };
+        let mut found = Vec::new();
+        for name in tiles {
+            found.push(find(name).ok_or_else(|| in_file(format!("has no tile {name}")))?);
+        }
+        let found: [cover::Tile; cover::TILES] = found.try_into().map_err(|_| in_file("has too few tiles".into()))?;
+        let layers = cover::layers(&found).map_err(in_file)?;
+        Ok(layers.material(images))
     }
 
     /// The material of a part under a tint; the same handle for the same tint.
