@@ -15,6 +15,7 @@
 //! | fern, grass | strips with painted fronds and blades | [`ground::herbs`] |
 //! | rock | icospheres cut by planes | [`ground::rock`] |
 //! | deadwood | a stump, a log | [`ground::deadwood`] |
+//! | surfaces | tiles of ground: litter, earth, rock, grass, asphalt, stone | [`surface`] |
 //!
 //! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
 //! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
@@ -32,6 +33,7 @@ pub mod ground;
 pub mod mesh;
 pub mod plant;
 pub mod portable;
+pub mod surface;
 pub mod texture;
 
 use ground::{deadwood, herbs, rock};
@@ -116,6 +118,7 @@ const ASSETS: &[Recipe] = &[
         about: "a stump and a fallen log",
         make: deadwood::forge,
     },
+    surface::RECIPE,
 ];
 
 /// All assets.
