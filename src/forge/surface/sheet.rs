@@ -91,7 +91,7 @@ impl Sheet {
         });
     }
 
-    /// Colour and normals, in this order. Hollows are darker: less sky reaches them.
+    /// Colour and, at half the resolution, normals, in this order. Hollows are darker: less sky reaches them.
     pub(super) fn pictures(&self, name: &str) -> [Picture; 2] {
         let high = |x: usize, y: usize, dx: i64, dy: i64| self.places[Self::index(x as i64 + dx, y as i64 + dy)].height;
         let texel = self.width / SIDE as f32;
@@ -104,10 +104,20 @@ impl Sheet {
             [r, g, b, 255]
         });
         let normal_name = format!("{name}_normal");
-        let normal = Picture::from_fn(&normal_name, SIDE, SIDE, Channels::RgbJpeg, |x, y| {
-            let across = high(x, y, 1, 0) - high(x, y, -1, 0);
-            let down = high(x, y, 0, 1) - high(x, y, 0, -1);
-            let slope = Vec2::new(-across, down) / (2.0 * texel);
+        let normal = Picture::from_fn(&normal_name, SIDE / 2, SIDE / 2, Channels::RgbJpeg, |x, y| {
+            // Slopes over two texels of the colour, which lie under one of the normals.
+            let (x, y) = (2 * x, 2 * y);
+            let across = high(x, y, 1, 0) + high(x, y, 1, 1) - high(x, y, -1, 0) - high(x, y, -1, 1)
+                + high(x, y, 2, 0)
+                + high(x, y, 2, 1)
+                - high(x, y, 0, 0)
+                - high(x, y, 0, 1);
+            let down = high(x, y, 0, 1) + high(x, y, 1, 1) - high(x, y, 0, -1) - high(x, y, 1, -1)
+                + high(x, y, 0, 2)
+                + high(x, y, 1, 2)
+                - high(x, y, 0, 0)
+                - high(x, y, 1, 0);
+            let slope = Vec2::new(-across, down) / (8.0 * texel);
             // Steep edges of leaves and stones would only glitter.
             let slope = slope / (1.0 + 0.5 * slope.length());
             let normal = slope.extend(1.0).normalize();
@@ -173,12 +183,12 @@ mod tests {
             color: Vec3::ONE,
         });
         let [_, normal] = ramp.pictures("ramp");
-        let [x, y, z, _] = normal.texels[100 * SIDE + 256];
+        let [x, y, z, _] = normal.texels[50 * SIDE / 2 + 128];
         // (−0.555, 0, 0.832) in steps of 1/127.5.
         assert!(
             x.abs_diff(57) <= 1 && y.abs_diff(128) <= 1 && z.abs_diff(234) <= 1,
             "{x} {y} {z}"
         );
-        assert!(normal.texels[100 * SIDE + 50][2] >= 254);
+        assert!(normal.texels[50 * SIDE / 2 + 25][2] >= 254);
     }
 }
