@@ -3,7 +3,7 @@
 //! * One scene per variant; the first is the default. Its node is `NAME_LOD0`; the coarser nodes `NAME_LOD1`, … belong to
 //!   no scene and are named by `MSFT_lod` of the first, with `MSFT_screencoverage` in its extras. Tools that know neither
 //!   show the finest level.
-//! * Pictures are PNG inside the file. Texture coordinates are of 16 bits where they stay inside the picture, shades 8-bit vertex colours, indices of 16
+//! * Pictures are PNG (rough ground: JPEG) inside the file. Texture coordinates are of 16 bits where they stay inside the picture, shades 8-bit vertex colours, indices of 16
 //!   bits where they suffice.
 //! * Leaves carry `KHR_materials_volume` (thickness) and `KHR_materials_diffuse_transmission`; impostor materials say
 //!   in `extras.umbrage_views` how their views lie in their pictures.
@@ -59,12 +59,12 @@ struct File {
 impl File {
     fn pictures(&mut self, model: &Model) {
         for picture in &model.pictures {
-            let view = self.view(&picture.png(), None);
+            let view = self.view(&picture.bytes(), None);
             let source = Index::push(
                 &mut self.root.images,
                 gltf_json::Image {
                     buffer_view: Some(view),
-                    mime_type: Some(MimeType("image/png".into())),
+                    mime_type: Some(MimeType(picture.channels.mime().into())),
                     name: Some(picture.name.clone()),
                     uri: None,
                     extensions: None,

@@ -15,6 +15,8 @@
 //! | fern, grass | strips with painted fronds and blades | [`ground::herbs`] |
 //! | rock | icospheres cut by planes | [`ground::rock`] |
 //! | deadwood | a stump, a log | [`ground::deadwood`] |
+//! | street, cars, tower, fountain | furniture, vehicles, a lattice tower, a fountain | [`street`] |
+//! | surfaces | tiles of ground: litter, earth, rock, grass, asphalt, stone | [`surface`] |
 //!
 //! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
 //! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
@@ -32,6 +34,8 @@ pub mod ground;
 pub mod mesh;
 pub mod plant;
 pub mod portable;
+pub mod street;
+pub mod surface;
 pub mod texture;
 
 use ground::{deadwood, herbs, rock};
@@ -116,6 +120,11 @@ const ASSETS: &[Recipe] = &[
         about: "a stump and a fallen log",
         make: deadwood::forge,
     },
+    surface::RECIPE,
+    street::RECIPES[0],
+    street::RECIPES[1],
+    street::RECIPES[2],
+    street::RECIPES[3],
 ];
 
 /// All assets.

@@ -1,0 +1,720 @@
+//! Things on pavements and squares: benches, bins, bollards, a kiosk, café tables, bicycles, pots, railings, shelters.
+
+use bevy_math::{Vec2, Vec3};
+
+use super::{
+    Pieces, Yard, lamps,
+    palette::{
+        AWNING, BLACK, BLUE, CHROME, CLAY, CONCRETE, CREAM, DARK_STEEL, GLASS, GREEN, IRON, LOGS, PAPERS, PLACARD,
+        POSTER, RED, RUBBER, STEEL, STONE, WHITE, WOODS, YELLOW,
+    },
+    solid::Solid,
+};
+use crate::forge::{
+    mesh::Model,
+    portable::{TURN, sin_cos},
+};
+
+/// `street.glb`.
+pub(super) fn forge() -> Model {
+    let mut yard = Yard::new();
+    lamps::add(&mut yard);
+    let shapes: [(&str, fn(u32) -> Pieces, &[f32]); 12] = [
+        ("bench", bench, &[0.06, 0.02, 0.003]),
+        ("bin", bin, &[0.06, 0.004]),
+        ("bollard", bollard, &[0.06, 0.004]),
+        ("post_box", post_box, &[0.07, 0.004]),
+        ("kiosk", kiosk, &[0.20, 0.06, 0.006]),
+        ("cafe", cafe, &[0.07, 0.02, 0.004]),
+        ("parasol", parasol, &[0.15, 0.05, 0.006]),
+        ("bicycle", bicycle, &[0.09, 0.03, 0.005]),
+        ("grate", grate, &[0.02, 0.004]),
+        ("pot", pot, &[0.06, 0.004]),
+        ("railing", railing, &[0.09, 0.03, 0.004]),
+        ("shelter", shelter, &[0.20, 0.06, 0.006]),
+    ];
+    for (name, shape, coverages) in shapes {
+        let levels: Vec<(Pieces, f32)> = (0_u32..).zip(coverages).map(|(level, c)| (shape(level), *c)).collect();
+        yard.add(name, &levels);
+    }
+    yard.model
+}
+
+/// A slatted bench, 1.8 m along x, looking along +z.
+fn bench(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(IRON);
+    for x in [-0.72, 0.72] {
+        if level == 0 {
+            // A curved side of cast iron: feet, seat, back, arm rest.
+            let r = 0.022;
+            let side: [&[(f32, f32)]; 3] = [
+                &[(0.24, -0.15), (0.20, 0.10), (0.17, 0.28), (0.20, 0.43)],
+                &[
+                    (-0.27, -0.15),
+                    (-0.22, 0.12),
+                    (-0.20, 0.42),
+                    (-0.26, 0.66),
+                    (-0.36, 0.92),
+                ],
+                &[
+                    (-0.27, 0.66),
+                    (-0.10, 0.68),
+                    (0.14, 0.66),
+                    (0.23, 0.60),
+                    (0.21, 0.52),
+                    (0.19, 0.44),
+                ],
+            ];
+            for line in side {
+                let points: Vec<(Vec3, f32)> = line.iter().map(|(z, y)| (Vec3::new(x, *y, *z), r)).collect();
+                solid.tube(&points, 7);
+            }
+            solid.beam(
+                Vec3::new(x, 0.425, -0.24),
+                Vec3::new(x, 0.43, 0.24),
+                Vec2::new(0.045, 0.03),
+                Vec3::X,
+            );
+        } else {
+            solid.beam(
+                Vec3::new(x, -0.15, 0.2),
+                Vec3::new(x, 0.44, 0.2),
+                Vec2::splat(0.045),
+                Vec3::X,
+            );
+            solid.beam(
+                Vec3::new(x, -0.15, -0.2),
+                Vec3::new(x, 0.92, -0.35),
+                Vec2::splat(0.045),
+                Vec3::X,
+            );
+        }
+    }
+    let slats: &[(Vec3, Vec2, usize)] = &[
+        (Vec3::new(0.0, 0.455, 0.205), Vec2::new(0.085, 0.034), 0),
+        (Vec3::new(0.0, 0.455, 0.100), Vec2::new(0.085, 0.034), 1),
+        (Vec3::new(0.0, 0.455, -0.005), Vec2::new(0.085, 0.034), 2),
+        (Vec3::new(0.0, 0.455, -0.110), Vec2::new(0.085, 0.034), 0),
+        (Vec3::new(0.0, 0.60, -0.215), Vec2::new(0.030, 0.085), 1),
+        (Vec3::new(0.0, 0.72, -0.255), Vec2::new(0.030, 0.085), 0),
+        (Vec3::new(0.0, 0.84, -0.300), Vec2::new(0.030, 0.085), 2),
+    ];
+    if level == 2 {
+        solid.paint(WOODS[0]);
+        solid.block(Vec3::new(0.0, 0.455, 0.05), Vec3::new(1.8, 0.034, 0.40));
+        solid.block(Vec3::new(0.0, 0.72, -0.26), Vec3::new(1.8, 0.33, 0.05));
+        return pieces;
+    }
+    for (center, section, wood) in slats {
+        solid.paint(WOODS[*wood]);
+        let size = Vec3::new(1.8, section.y, section.x);
+        if level == 0 {
+            solid.rounded(*center, size, 0.009);
+        } else {
+            solid.block(*center, size);
+        }
+    }
+    pieces
+}
+
+/// A litter bin of 95 cm on a foot, with a hood.
+fn bin(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    let n = [18, 7][level.min(1) as usize];
+    solid.paint(GREEN);
+    if level == 0 {
+        solid.turned(Vec3::ZERO, &[(0.16, -0.1), (0.16, 0.03), (0.05, 0.05), (0.05, 0.16)], n);
+        solid.turned(
+            Vec3::ZERO,
+            &[
+                (0.19, 0.15),
+                (0.21, 0.17),
+                (0.235, 0.66),
+                (0.25, 0.67),
+                (0.25, 0.70),
+                (0.225, 0.70),
+                (0.215, 0.5),
+                (0.0, 0.5),
+            ],
+            n,
+        );
+        for k in 0..4 {
+            let (sin, cos) = sin_cos(TURN * (k as f32 + 0.5) / 4.0);
+            let at = |y: f32| Vec3::new(0.225 * sin, y, 0.225 * cos);
+            solid.beam(at(0.68), at(0.86), Vec2::splat(0.02), Vec3::X);
+        }
+        solid.turned(Vec3::ZERO, &[(0.26, 0.84), (0.26, 0.87), (0.14, 0.93), (0.0, 0.95)], n);
+        solid.paint(STEEL);
+        solid.turned(
+            Vec3::ZERO,
+            &[(0.238, 0.60), (0.241, 0.61), (0.241, 0.63), (0.236, 0.64)],
+            n,
+        );
+    } else {
+        solid.turned(Vec3::ZERO, &[(0.17, -0.1), (0.25, 0.68), (0.25, 0.87), (0.0, 0.95)], n);
+    }
+    pieces
+}
+
+/// A cast bollard of 95 cm.
+fn bollard(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(IRON);
+    if level == 0 {
+        solid.turned(
+            Vec3::ZERO,
+            &[
+                (0.10, -0.2),
+                (0.10, 0.10),
+                (0.075, 0.14),
+                (0.06, 0.72),
+                (0.08, 0.75),
+                (0.08, 0.79),
+                (0.045, 0.81),
+                (0.075, 0.87),
+                (0.055, 0.93),
+                (0.0, 0.95),
+            ],
+            14,
+        );
+        solid.paint(WHITE);
+        solid.turned(
+            Vec3::ZERO,
+            &[(0.0625, 0.58), (0.0655, 0.60), (0.0645, 0.68), (0.061, 0.70)],
+            14,
+        );
+    } else {
+        solid.turned(Vec3::ZERO, &[(0.09, -0.2), (0.07, 0.85), (0.0, 0.95)], 6);
+    }
+    pieces
+}
+
+/// A yellow post box on a foot, 1.45 m; its slot looks along +z.
+fn post_box(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    if level == 1 {
+        solid.paint(YELLOW);
+        solid.block(Vec3::new(0.0, 0.625, 0.0), Vec3::new(0.5, 1.65, 0.38));
+        return pieces;
+    }
+    solid.paint(DARK_STEEL);
+    solid.rounded(Vec3::new(0.0, 0.2, 0.0), Vec3::new(0.22, 0.8, 0.22), 0.015);
+    solid.paint(YELLOW);
+    // A body with a round top, swept along x.
+    solid.apart();
+    let ring = |x: f32| {
+        let mut ring = vec![Vec3::new(x, 0.5, 0.2), Vec3::new(x, 0.5, -0.2)];
+        for k in 0..=8 {
+            let (sin, cos) = sin_cos(0.5 * TURN * k as f32 / 8.0);
+            ring.push(Vec3::new(x, 1.25 + 0.2 * sin, -0.2 * cos));
+        }
+        ring
+    };
+    solid.prism(&ring(-0.26), &ring(0.26));
+    solid.paint(BLACK);
+    solid.block(Vec3::new(0.0, 1.22, 0.2), Vec3::new(0.34, 0.035, 0.012));
+    solid.rounded(Vec3::new(0.0, 0.83, 0.2), Vec3::new(0.40, 0.42, 0.012), 0.004);
+    solid.paint(WHITE);
+    solid.block(Vec3::new(0.0, 1.07, 0.2), Vec3::new(0.16, 0.1, 0.014));
+    pieces
+}
+
+/// A kiosk of 3.2 by 2.4 m, 3.3 m high, with newspapers, a counter and an awning towards +z.
+fn kiosk(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(CONCRETE);
+    solid.block(Vec3::new(0.0, -0.02, 0.0), Vec3::new(3.3, 0.36, 2.5));
+    solid.paint(GREEN);
+    solid.block(Vec3::new(0.0, 0.66, 0.0), Vec3::new(3.2, 1.0, 2.4));
+    solid.block(Vec3::new(0.0, 2.55, 0.0), Vec3::new(3.2, 0.35, 2.4));
+    let glass = &mut pieces.glossy;
+    glass.paint(GLASS);
+    glass.block(Vec3::new(0.0, 1.77, -0.04), Vec3::new(3.06, 1.22, 2.2));
+    let solid = &mut pieces.plain;
+    solid.paint(GREEN);
+    let posts: &[(f32, f32)] = &[
+        (-1.55, 1.15),
+        (1.55, 1.15),
+        (-1.55, -1.15),
+        (1.55, -1.15),
+        (-0.55, 1.15),
+        (0.55, 1.15),
+    ];
+    for (x, z) in posts {
+        solid.block(Vec3::new(*x, 1.77, *z), Vec3::new(0.1, 1.24, 0.1));
+    }
+    // An overhanging roof with a curved cap.
+    solid.paint(CREAM);
+    if level == 0 {
+        solid.rounded(Vec3::new(0.0, 2.78, 0.05), Vec3::new(3.7, 0.14, 3.0), 0.04);
+    } else {
+        solid.block(Vec3::new(0.0, 2.78, 0.05), Vec3::new(3.7, 0.14, 3.0));
+    }
+    solid.paint(GREEN).apart();
+    let cap = |y: f32, x: f32, z: f32| {
+        [
+            Vec3::new(-x, y, z),
+            Vec3::new(x, y, z),
+            Vec3::new(x, y, -z),
+            Vec3::new(-x, y, -z),
+        ]
+    };
+    let steps: &[[Vec3; 4]] = if level == 2 {
+        &[cap(2.85, 1.6, 1.2), cap(3.3, 0.4, 0.25)]
+    } else {
+        &[
+            cap(2.85, 1.62, 1.22),
+            cap(2.98, 1.28, 0.92),
+            cap(3.15, 0.75, 0.5),
+            cap(3.3, 0.2, 0.12),
+        ]
+    };
+    for pair in steps.windows(2) {
+        for i in 0..4 {
+            let j = (i + 1) % 4;
+            solid.quad([pair[0][i], pair[0][j], pair[1][j], pair[1][i]]);
+        }
+    }
+    solid.face(&steps[steps.len() - 1]);
+    // Prints: papers below the counter and at the sides, posters behind.
+    let wall = |center: Vec3, right: Vec3, half: Vec2| {
+        let (r, u) = (right * half.x, Vec3::Y * half.y);
+        [center - r - u, center + r - u, center + r + u, center - r + u]
+    };
+    for x in [-1.05, 0.0, 1.05] {
+        solid.picture(
+            wall(Vec3::new(x, 0.68, 1.206), Vec3::X, Vec2::new(0.46, 0.36)),
+            PAPERS.0,
+            PAPERS.1,
+        );
+    }
+    for side in [-1.0, 1.0] {
+        solid.picture(
+            wall(
+                Vec3::new(1.606 * side, 1.5, 0.2),
+                Vec3::NEG_Z * side,
+                Vec2::new(0.6, 0.75),
+            ),
+            POSTER.0,
+            POSTER.1,
+        );
+    }
+    solid.picture(
+        wall(Vec3::new(0.0, 1.5, -1.206), Vec3::NEG_X, Vec2::new(0.7, 0.75)),
+        PLACARD.0,
+        PLACARD.1,
+    );
+    // Counter and awning.
+    solid.paint(WOODS[2]);
+    solid.block(Vec3::new(0.0, 1.18, 1.32), Vec3::new(2.9, 0.05, 0.42));
+    let (low, high) = (Vec3::new(1.7, 2.05, 2.15), Vec3::new(1.62, 2.62, 1.2));
+    let mirrored = |p: Vec3| p.with_x(-p.x);
+    let under = Vec3::Y * 0.012;
+    for part in 0..3 {
+        let across = |t: f32, p: Vec3| mirrored(p).lerp(p, t / 3.0);
+        let (a, b) = (part as f32, part as f32 + 1.0);
+        let corners = [across(a, low), across(b, low), across(b, high), across(a, high)];
+        solid.picture(corners, AWNING.0, AWNING.1);
+        let [p, q, r, s] = corners.map(|corner| corner - under);
+        solid.picture([q, p, s, r], AWNING.0, AWNING.1);
+        if level == 0 {
+            let drop = Vec3::Y * -0.2;
+            let edge = [corners[0] + drop, corners[1] + drop, corners[1], corners[0]];
+            solid.picture(edge, AWNING.0, Vec2::new(AWNING.1.x, AWNING.0.y));
+            let [p, q, r, s] = edge.map(|corner| corner - Vec3::Z * 0.012);
+            solid.picture([q, p, s, r], AWNING.0, Vec2::new(AWNING.1.x, AWNING.0.y));
+        }
+    }
+    if level == 0 {
+        solid.paint(IRON);
+        for x in [-1.6, 1.6] {
+            solid.tube(
+                &[(Vec3::new(x, 1.75, 1.2), 0.014), (Vec3::new(x, 2.03, 2.12), 0.014)],
+                5,
+            );
+        }
+        // A stand with more papers beside the counter.
+        solid.paint(DARK_STEEL);
+        solid.block(Vec3::new(2.15, 0.6, 1.0), Vec3::new(0.5, 1.2, 0.06));
+        solid.picture(
+            wall(Vec3::new(2.15, 0.72, 1.036), Vec3::X, Vec2::new(0.22, 0.44)),
+            PAPERS.0,
+            PAPERS.1,
+        );
+    }
+    pieces
+}
+
+/// A round café table with three chairs.
+fn cafe(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    let n = [18, 8, 5][level.min(2) as usize];
+    solid.paint(IRON);
+    if level == 0 {
+        solid.turned(
+            Vec3::ZERO,
+            &[(0.24, -0.05), (0.24, 0.02), (0.04, 0.05), (0.028, 0.1), (0.028, 0.7)],
+            n,
+        );
+    } else {
+        solid.turned(Vec3::ZERO, &[(0.2, -0.05), (0.03, 0.05), (0.03, 0.7)], n);
+    }
+    solid.paint(STONE);
+    solid.turned(Vec3::ZERO, &[(0.33, 0.69), (0.35, 0.70), (0.35, 0.72), (0.34, 0.73)], n);
+    let chair = chair(level);
+    for k in 0..3 {
+        let heading = TURN * (k as f32 / 3.0 + 0.06);
+        let (sin, cos) = sin_cos(heading);
+        solid.add(&chair, Vec3::new(-0.62 * sin, 0.0, -0.62 * cos), heading, 1.0);
+    }
+    pieces
+}
+
+/// A chair that looks along +z.
+fn chair(level: u32) -> Solid {
+    let mut solid = Solid::new();
+    solid.paint(IRON);
+    if level < 2 {
+        let n = if level == 0 { 6 } else { 3 };
+        for x in [-0.19, 0.19] {
+            solid.tube(
+                &[
+                    (Vec3::new(x * 1.08, -0.03, 0.22), 0.012),
+                    (Vec3::new(x, 0.45, 0.17), 0.012),
+                ],
+                n,
+            );
+            solid.tube(
+                &[
+                    (Vec3::new(x * 1.08, -0.03, -0.26), 0.012),
+                    (Vec3::new(x, 0.45, -0.18), 0.012),
+                    (Vec3::new(x, 0.84, -0.27), 0.012),
+                ],
+                n,
+            );
+        }
+    }
+    solid.paint(WOODS[2]);
+    let seats: &[f32] = if level == 0 {
+        &[-0.13, -0.02, 0.09, 0.19]
+    } else {
+        &[0.02]
+    };
+    let deep = if level == 0 { 0.085 } else { 0.40 };
+    for z in seats {
+        solid.block(Vec3::new(0.0, 0.46, *z), Vec3::new(0.42, 0.018, deep));
+    }
+    if level == 0 {
+        for (y, z) in [(0.62, -0.22), (0.72, -0.243), (0.81, -0.263)] {
+            solid.block(Vec3::new(0.0, y, z), Vec3::new(0.40, 0.06, 0.016));
+        }
+    } else {
+        solid.block(Vec3::new(0.0, 0.72, -0.243), Vec3::new(0.40, 0.24, 0.016));
+    }
+    solid
+}
+
+/// A parasol of 3 m over a café table.
+fn parasol(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let n = [8, 8, 6][level.min(2) as usize];
+    let solid = &mut pieces.plain;
+    solid.paint(WOODS[2]);
+    solid.tube(
+        &[(Vec3::Y * 0.0, 0.024), (Vec3::Y * 2.62, 0.024)],
+        if level == 0 { 8 } else { 3 },
+    );
+    if level == 0 {
+        solid.paint(CONCRETE);
+        solid.rounded(Vec3::new(0.0, 0.05, 0.0), Vec3::new(0.5, 0.12, 0.5), 0.03);
+    }
+    // Cloth takes the tint: eight gores with a hanging rim, and their underside.
+    let cloth = &mut pieces.paint;
+    let at = |k: u32, r: f32, y: f32| {
+        let (sin, cos) = sin_cos(TURN * k as f32 / n as f32);
+        Vec3::new(r * sin, y, r * cos)
+    };
+    for k in 0..n {
+        cloth.apart();
+        let (rim, top) = (|k: u32, y: f32| at(k, 1.5, y), Vec3::Y * 2.62);
+        let middle = |k: u32, y: f32| at(k, 0.8, y);
+        cloth.face(&[middle(k, 2.40), middle(k + 1, 2.40), top]);
+        cloth.quad([rim(k, 2.10), rim(k + 1, 2.10), middle(k + 1, 2.40), middle(k, 2.40)]);
+        cloth.apart();
+        cloth.face(&[rim(k + 1, 2.09), rim(k, 2.09), top - Vec3::Y * 0.012]);
+        if level == 0 {
+            cloth.apart();
+            cloth.quad([rim(k, 1.92), rim(k + 1, 1.92), rim(k + 1, 2.10), rim(k, 2.10)]);
+            let inner = |k: u32, y: f32| at(k, 1.49, y);
+            cloth.quad([inner(k + 1, 1.92), inner(k, 1.92), inner(k, 2.10), inner(k + 1, 2.10)]);
+        }
+    }
+    if level == 0 {
+        let solid = &mut pieces.plain;
+        solid.paint(WOODS[1]);
+        for k in 0..n {
+            solid.beam(at(k, 0.02, 2.56), at(k, 1.47, 2.07), Vec2::new(0.018, 0.014), Vec3::Y);
+        }
+    }
+    pieces
+}
+
+/// A bicycle in a stand of bent tube; it points along +z. Its frame takes the tint.
+fn bicycle(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let n = [6, 4, 3][level.min(2) as usize];
+    let solid = &mut pieces.plain;
+    solid.paint(STEEL);
+    let stand: Vec<(Vec3, f32)> = [
+        (-0.35, -0.2),
+        (-0.35, 0.62),
+        (-0.28, 0.75),
+        (0.28, 0.75),
+        (0.35, 0.62),
+        (0.35, -0.2),
+    ]
+    .map(|(z, y)| (Vec3::new(0.16, y, z + 0.1), 0.024))
+    .into();
+    solid.tube(&stand, n);
+    let (rear, front, radius) = (-0.52, 0.53, 0.335);
+    for z in [rear, front] {
+        wheel(solid, Vec3::new(0.0, radius, z), radius, level);
+    }
+    let frame = &mut pieces.paint;
+    let (crank, seat, head) = (
+        Vec3::new(0.0, 0.29, -0.08),
+        Vec3::new(0.0, 0.80, -0.24),
+        Vec3::new(0.0, 0.82, 0.36),
+    );
+    let tubes = [
+        (crank, head - Vec3::Y * 0.08, 0.017),
+        (seat, head, 0.015),
+        (crank, seat + Vec3::new(0.0, 0.12, -0.035), 0.016),
+        (crank, Vec3::new(0.0, radius, rear), 0.012),
+        (seat, Vec3::new(0.0, radius, rear), 0.010),
+        (head + Vec3::new(0.0, 0.12, -0.03), Vec3::new(0.0, radius, front), 0.014),
+    ];
+    for (from, to, r) in tubes {
+        frame.tube(&[(from, r), (to, r)], n);
+    }
+    if level < 2 {
+        let solid = &mut pieces.plain;
+        solid.paint(BLACK);
+        let bar = head + Vec3::new(0.0, 0.14, -0.03);
+        let grip = |x: f32| (bar + Vec3::new(x, 0.03, -0.12), 0.013);
+        solid.tube(
+            &[
+                grip(-0.28),
+                (bar - Vec3::X * 0.1, 0.012),
+                (bar + Vec3::X * 0.1, 0.012),
+                grip(0.28),
+            ],
+            n,
+        );
+        solid.rounded(seat + Vec3::new(0.0, 0.14, -0.04), Vec3::new(0.14, 0.05, 0.25), 0.02);
+        solid.paint(CHROME);
+        solid.tube(&[(crank - Vec3::X * 0.03, 0.085), (crank + Vec3::X * 0.03, 0.085)], 8);
+        solid.block(crank + Vec3::new(0.09, -0.15, 0.03), Vec3::new(0.09, 0.02, 0.07));
+        solid.block(crank + Vec3::new(-0.09, 0.15, -0.03), Vec3::new(0.09, 0.02, 0.07));
+    }
+    pieces
+}
+
+/// A thin wheel in the plane x = 0.
+fn wheel(solid: &mut Solid, center: Vec3, radius: f32, level: u32) {
+    let n = [18, 10, 7][level.min(2) as usize];
+    let at = |k: u32, r: f32, x: f32| {
+        let (sin, cos) = sin_cos(TURN * k as f32 / n as f32);
+        center + Vec3::new(x, r * cos, r * sin)
+    };
+    solid.paint(RUBBER).apart();
+    // A ring of triangular section.
+    for k in 0..n {
+        let ring = |k: u32| {
+            [
+                at(k, radius, 0.0),
+                at(k, radius - 0.035, 0.016),
+                at(k, radius - 0.035, -0.016),
+            ]
+        };
+        let (a, b) = (ring(k), ring(k + 1));
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            solid.quad([a[i], a[j], b[j], b[i]]);
+        }
+    }
+    if level == 0 {
+        solid.paint(CHROME);
+        for k in 0..9 {
+            solid.tube(&[(center, 0.003), (at(2 * k, radius - 0.03, 0.0), 0.003)], 3);
+        }
+    }
+}
+
+/// An iron grate of 1.6 m around a street tree, with a hole in its middle.
+fn grate(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(LOGS[1]);
+    solid.block(Vec3::new(0.0, -0.02, 0.0), Vec3::new(1.56, 0.06, 1.56));
+    solid.paint(IRON);
+    for side in [-1.0, 1.0] {
+        solid.block(Vec3::new(0.0, 0.0, 0.78 * side), Vec3::new(1.6, 0.06, 0.05));
+        solid.block(Vec3::new(0.78 * side, 0.0, 0.0), Vec3::new(0.05, 0.06, 1.51));
+    }
+    if level == 0 {
+        for k in 0..28 {
+            let (sin, cos) = sin_cos(TURN * k as f32 / 28.0);
+            let d = Vec3::new(sin, 0.0, cos);
+            let reach = 0.76 / sin.abs().max(cos.abs());
+            solid.beam(
+                d * 0.34 + Vec3::Y * 0.015,
+                d * reach + Vec3::Y * 0.015,
+                Vec2::new(0.022, 0.03),
+                d.cross(Vec3::Y),
+            );
+        }
+    }
+    pieces
+}
+
+/// A planter of fired clay, 60 cm; a bush goes into it.
+fn pot(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(CLAY);
+    if level == 0 {
+        solid.turned(
+            Vec3::ZERO,
+            &[
+                (0.26, -0.05),
+                (0.27, 0.03),
+                (0.37, 0.46),
+                (0.42, 0.48),
+                (0.43, 0.58),
+                (0.41, 0.60),
+                (0.36, 0.59),
+                (0.35, 0.54),
+            ],
+            20,
+        );
+    } else {
+        solid.turned(Vec3::ZERO, &[(0.26, -0.05), (0.42, 0.58), (0.36, 0.56)], 7);
+    }
+    solid.paint(LOGS[1]);
+    solid.turned(Vec3::ZERO, &[(0.352, 0.53), (0.30, 0.555), (0.0, 0.57)], 7);
+    pieces
+}
+
+/// A panel of a park railing: 2 m along +x from the origin, 1.1 m high, its post at the origin.
+fn railing(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(IRON);
+    solid.beam(Vec3::Y * -0.2, Vec3::Y * 1.12, Vec2::splat(0.05), Vec3::X);
+    if level == 0 {
+        solid.turned(
+            Vec3::Y * 1.12,
+            &[(0.02, 0.0), (0.042, 0.04), (0.02, 0.08), (0.0, 0.1)],
+            8,
+        );
+    }
+    for y in [0.15, 0.92] {
+        solid.beam(
+            Vec3::new(0.0, y, 0.0),
+            Vec3::new(2.0, y, 0.0),
+            Vec2::new(0.012, 0.04),
+            Vec3::Z,
+        );
+    }
+    let bars = 14;
+    for k in 1..bars {
+        let x = 2.0 * k as f32 / bars as f32;
+        let (foot, top) = (Vec3::new(x, 0.08, 0.0), Vec3::new(x, 1.0, 0.0));
+        match level {
+            0 => {
+                solid.tube(&[(foot, 0.009), (top, 0.009)], 5);
+                // A spear head.
+                solid.turned(top, &[(0.009, 0.0), (0.022, 0.03), (0.0, 0.11)], 4);
+            }
+            1 => solid.tube(&[(foot, 0.010), (top, 0.010), (top + Vec3::Y * 0.1, 0.0)], 3),
+            _ if k % 2 == 0 => {
+                let half = Vec3::X * 0.016;
+                solid.apart();
+                for side in [half, -half] {
+                    solid.face(&[foot - side, foot + side, top + Vec3::Y * 0.1]);
+                }
+            }
+            _ => {}
+        }
+    }
+    pieces
+}
+
+/// A tram stop: glass on a frame, 4 m along x, open towards +z, with a bench and a poster.
+fn shelter(level: u32) -> Pieces {
+    let mut pieces = Pieces::default();
+    let solid = &mut pieces.plain;
+    solid.paint(DARK_STEEL);
+    for x in [-1.95, -0.65, 0.65, 1.95] {
+        solid.beam(
+            Vec3::new(x, -0.2, -0.65),
+            Vec3::new(x, 2.45, -0.65),
+            Vec2::splat(0.07),
+            Vec3::X,
+        );
+    }
+    if level == 0 {
+        solid.rounded(Vec3::new(0.0, 2.5, 0.0), Vec3::new(4.3, 0.1, 1.75), 0.03);
+        for x in [-1.95, 1.95] {
+            solid.beam(
+                Vec3::new(x, 2.4, -0.65),
+                Vec3::new(x, 2.4, 0.7),
+                Vec2::splat(0.06),
+                Vec3::X,
+            );
+        }
+    } else {
+        solid.block(Vec3::new(0.0, 2.5, 0.0), Vec3::new(4.3, 0.1, 1.75));
+    }
+    for y in [0.12, 2.38] {
+        solid.block(Vec3::new(0.0, y, -0.65), Vec3::new(3.9, 0.06, 0.05));
+    }
+    // A lit case with a poster on both sides.
+    solid.block(Vec3::new(1.95, 1.15, 0.05), Vec3::new(0.16, 2.1, 1.3));
+    for side in [-1.0, 1.0] {
+        let (r, u) = (Vec3::NEG_Z * side * 0.56, Vec3::Y * 0.86);
+        let c = Vec3::new(1.95 + 0.0815 * side, 1.2, 0.05);
+        let piece = if side > 0.0 { POSTER } else { PLACARD };
+        solid.picture([c - r - u, c + r - u, c + r + u, c - r + u], piece.0, piece.1);
+    }
+    solid.paint(BLUE);
+    solid.block(Vec3::new(0.0, 2.5, 0.882), Vec3::new(4.28, 0.09, 0.012));
+    let glass = &mut pieces.glossy;
+    glass.paint(GLASS);
+    for x in [-1.3, 0.0, 1.3] {
+        glass.block(Vec3::new(x, 1.25, -0.65), Vec3::new(1.2, 2.16, 0.012));
+    }
+    glass.block(Vec3::new(-1.95, 1.25, 0.0), Vec3::new(0.012, 2.16, 1.2));
+    let solid = &mut pieces.plain;
+    if level < 2 {
+        solid.paint(WOODS[0]);
+        for z in [-0.42, -0.30, -0.18] {
+            solid.block(Vec3::new(-0.5, 0.46, z), Vec3::new(2.2, 0.035, 0.1));
+        }
+        solid.paint(DARK_STEEL);
+        for x in [-1.3, 0.3] {
+            solid.block(Vec3::new(x, 0.13, -0.3), Vec3::new(0.05, 0.62, 0.34));
+        }
+        solid.paint(RED);
+        solid.block(Vec3::new(-1.0, 2.66, 0.5), Vec3::new(1.2, 0.22, 0.05));
+    }
+    pieces
+}
