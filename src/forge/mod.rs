@@ -15,6 +15,7 @@
 //! | fern, grass | strips with painted fronds and blades | [`ground::herbs`] |
 //! | rock | icospheres cut by planes | [`ground::rock`] |
 //! | deadwood | a stump, a log | [`ground::deadwood`] |
+//! | deer, walker | skinned figures with clips | soft objects, marching tetrahedra, edge collapse ([`figure`]) |
 //!
 //! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
 //! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
@@ -27,11 +28,13 @@
 //! ```
 
 pub mod bake;
+pub mod figure;
 pub mod glb;
 pub mod ground;
 pub mod mesh;
 pub mod plant;
 pub mod portable;
+pub mod rig;
 pub mod texture;
 
 use ground::{deadwood, herbs, rock};
@@ -116,6 +119,8 @@ const ASSETS: &[Recipe] = &[
         about: "a stump and a fallen log",
         make: deadwood::forge,
     },
+    figure::RECIPES[0],
+    figure::RECIPES[1],
 ];
 
 /// All assets.
