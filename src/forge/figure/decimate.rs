@@ -7,6 +7,9 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 
 use bevy_math::{DVec3, Vec3};
 
+/// Height of a triangle over its longest side, relative to that side, below which its normal says little.
+const SLIVER: f64 = 0.10;
+
 /// Triangles without normals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
@@ -31,7 +34,7 @@ impl Surface {
             .extend(other.faces.iter().map(|face| face.map(|i| i + first)));
     }
 
-    /// Without unused points, and without the faces whose first corner `drop` rejects.
+    /// Only the faces that are `alive`, without unused points.
     fn compacted(&self, alive: impl Fn(usize) -> bool) -> Self {
         let mut new_index = vec![u32::MAX; self.points.len()];
         let mut compact = Self::default();
@@ -123,6 +126,8 @@ struct Decimation {
     /// How often a point has moved: collapses planned before are void.
     moves: Vec<u32>,
     queue: BinaryHeap<Reverse<Collapse>>,
+    /// See [`SLIVER`]; smaller once nothing else is left.
+    sliver: f64,
 }
 
 /// A planned collapse; the order is by error, then by points, so that it is the same everywhere.
@@ -166,17 +171,26 @@ impl Decimation {
             alive: vec![true; surface.faces.len()],
             moves: vec![0; count],
             queue: BinaryHeap::new(),
+            sliver: SLIVER,
         };
-        for face in &surface.faces {
+        decimation.plan_all();
+        decimation
+    }
+
+    fn plan_all(&mut self) {
+        for index in 0..self.surface.faces.len() {
+            if !self.alive[index] {
+                continue;
+            }
+            let face = self.surface.faces[index];
             for (a, b) in [(0, 1), (1, 2), (2, 0)] {
                 // An inner edge is seen from both sides; it is planned once, a border edge always.
                 let ends = [face[a].min(face[b]), face[a].max(face[b])];
-                if face[a] < face[b] || ends.iter().all(|end| surface.seam[*end as usize]) {
-                    decimation.plan(ends);
+                if face[a] < face[b] || ends.iter().all(|end| self.surface.seam[*end as usize]) {
+                    self.plan(ends);
                 }
             }
         }
-        decimation
     }
 
     /// Where a collapsed edge's point goes, and what that costs.
@@ -217,14 +231,27 @@ impl Decimation {
 
     fn run(mut self, target: usize) -> Surface {
         let mut left = self.surface.faces.len();
-        while left > target {
-            let Some(Reverse(collapse)) = self.queue.pop() else {
-                break;
-            };
-            let [a, b] = collapse.ends;
-            if collapse.moves == [a, b].map(|end| self.moves[end as usize]) && self.may_collapse(a, b) {
-                left -= self.collapse(a, b);
+        loop {
+            let before = left;
+            while left > target {
+                let Some(Reverse(collapse)) = self.queue.pop() else {
+                    break;
+                };
+                let [a, b] = collapse.ends;
+                if collapse.moves == [a, b].map(|end| self.moves[end as usize])
+                    && let Some(at) = self.allowed(a, b)
+                {
+                    left -= self.collapse(a, b, at);
+                }
             }
+            if left <= target || (left == before && self.sliver < SLIVER / 100.0) {
+                break;
+            }
+            // What was not allowed may be by now, or with thinner triangles.
+            if left * 100 > before * 95 {
+                self.sliver *= 0.25;
+            }
+            self.plan_all();
         }
         self.surface.compacted(|face| self.alive[face])
     }
@@ -245,7 +272,8 @@ impl Decimation {
         found
     }
 
-    fn may_collapse(&self, a: u32, b: u32) -> bool {
+    /// Where an edge may collapse to: the best place, else an end. `None` where it must not collapse.
+    fn allowed(&self, a: u32, b: u32) -> Option<DVec3> {
         let shared = self
             .living(a)
             .filter(|face| self.surface.faces[*face as usize].contains(&b))
@@ -255,38 +283,50 @@ impl Decimation {
         let both_on_seam = self.surface.seam[a as usize] && self.surface.seam[b as usize];
         // The link condition; a border edge has one face, and an inner edge must not join two borders.
         if common != shared || shared != if both_on_seam { 1 } else { 2 } {
-            return false;
+            return None;
         }
         // A tetrahedron, or a last triangle on the seam, stays as it is.
         let least = if both_on_seam { 2 } else { 3 };
         if of_a.len() <= least && self.neighbours(b).len() <= least {
-            return false;
+            return None;
         }
-        let (at, _) = self.merged([a, b]);
-        [(a, b), (b, a)].into_iter().all(|(moving, other)| {
-            self.living(moving)
-                .map(|face| self.surface.faces[face as usize])
-                .filter(|face| !face.contains(&other))
-                .all(|face| self.stays_upright(face, moving, at))
+        let seam = [a, b].map(|end| self.surface.seam[end as usize]);
+        let ends = [a, b].map(|end| self.surface.points[end as usize].as_dvec3());
+        let (best, _) = self.merged([a, b]);
+        let mut places = vec![best];
+        places.extend((0..2).filter(|i| seam[*i] || !seam[1 - *i]).map(|i| ends[i]));
+        places.into_iter().find(|at| {
+            [(a, b), (b, a)].into_iter().all(|(moving, other)| {
+                self.living(moving)
+                    .map(|face| self.surface.faces[face as usize])
+                    .filter(|face| !face.contains(&other))
+                    .all(|face| self.stays_upright(face, moving, *at))
+            })
         })
     }
 
-    /// Does a face keep its side and some width when one of its corners moves?
+    /// Does a face keep its side and some width when one of its corners moves? Slivers may do as they like, unless they
+    /// become worse.
     fn stays_upright(&self, face: [u32; 3], moving: u32, at: DVec3) -> bool {
         let place = |corner: u32| self.surface.points[corner as usize].as_dvec3();
         let cross = |[p, q, r]: [DVec3; 3]| (q - p).cross(r - p);
-        let before = cross(face.map(place));
-        let corners = face.map(|corner| if corner == moving { at } else { place(corner) });
-        let after = cross(corners);
-        let longest = (0..3)
-            .map(|i| (corners[i] - corners[(i + 1) % 3]).length_squared())
-            .fold(0.0, f64::max);
-        after.dot(before) > 0.2 * after.length() * before.length() && after.length() > 0.06 * longest
+        let width = |[p, q, r]: [DVec3; 3]| {
+            let longest = (q - p)
+                .length_squared()
+                .max((r - q).length_squared())
+                .max((p - r).length_squared());
+            cross([p, q, r]).length() / longest.max(1e-18)
+        };
+        let old = face.map(place);
+        let new = face.map(|corner| if corner == moving { at } else { place(corner) });
+        let (before, after) = (cross(old), cross(new));
+        let sliver = width(old) < self.sliver;
+        let turned = after.dot(before) < 0.2 * after.length() * before.length();
+        (sliver || !turned) && width(new) > self.sliver.min(0.9 * width(old))
     }
 
-    /// Moves `b` into `a`; gives the number of faces that vanish.
-    fn collapse(&mut self, a: u32, b: u32) -> usize {
-        let (at, _) = self.merged([a, b]);
+    /// Moves `b` into `a`, and both to `at`; gives the number of faces that vanish.
+    fn collapse(&mut self, a: u32, b: u32, at: DVec3) -> usize {
         let (ai, bi) = (a as usize, b as usize);
         let seam = self.surface.seam[ai] || self.surface.seam[bi];
         self.surface.points[ai] = at.as_vec3();

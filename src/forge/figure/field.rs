@@ -77,12 +77,12 @@ impl Field {
         if (at - p).length() <= reach { at } else { p }
     }
 
-    /// Box around everything, with a margin in metres.
+    /// Box around everything, with a margin in metres beside what blends may add.
     pub fn bounds(&self, margin: f32) -> (Vec3, Vec3) {
         let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
         for flesh in self.0.iter().filter(|flesh| !flesh.carve) {
             for (end, radius) in flesh.ends.into_iter().zip(flesh.radii) {
-                let reach = flesh.stretch * radius + Vec3::splat(margin);
+                let reach = flesh.stretch * radius + Vec3::splat(margin + 0.5 * flesh.blend);
                 low = low.min(end - reach);
                 high = high.max(end + reach);
             }

@@ -179,5 +179,5 @@ fn openness(pieces: &[Piece], at: Vec3, normal: Vec3) -> f32 {
             (look - distance).clamp(0.0, look) / look
         })
         .sum();
-    mix(1.0, 0.45, closed / LOOKS.len() as f32)
+    mix(1.0, 0.55, closed / LOOKS.len() as f32)
 }

@@ -113,7 +113,8 @@ impl Lattice {
                     let (a, b) = (corners[a.min(b)], corners[a.max(b)]);
                     *known.entry((a.1, b.1)).or_insert_with(|| {
                         let (from, to) = (self.values[a.1], self.values[b.1]);
-                        let t = (from / (from - to)).clamp(0.02, 0.98);
+                        // Not too near to the lattice, for slivers collapse badly.
+                        let t = (from / (from - to)).clamp(0.15, 0.85);
                         surface.points.push(self.place(a.0).lerp(self.place(b.0), t));
                         surface.seam.push(mirrored && a.0[0] == 0 && b.0[0] == 0);
                         surface.piece.push(0);

@@ -52,7 +52,7 @@ pub(super) fn pieces(joints: &[Joint], material: usize, stag: bool) -> Vec<Piece
         mirrored: true,
         material,
         coordinates: Box::new(move |p| coat::coordinates(p, antler)),
-        importance: Box::new(importance),
+        importance: Box::new(move |p| if antler { 3.0 } else { importance(p) }),
         levels,
     };
     let mut pieces = vec![piece(body(joints, stag), 0.0095, 3, false)];
@@ -81,7 +81,7 @@ fn body(joints: &[Joint], stag: bool) -> Field {
 }
 
 fn trunk(s: &mut Sculptor) {
-    let narrow = [0.74, 1.0, 1.0];
+    let narrow = [0.83, 1.0, 1.0];
     s.middle(
         ["chest", "spine"],
         [[0.0, 0.945, 0.26, 0.225], [0.0, 0.955, -0.08, 0.225]],

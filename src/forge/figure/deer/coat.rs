@@ -63,9 +63,9 @@ fn fur(at: Vec2, share: Vec2) -> Vec3 {
     let v = Vec2::new;
     let ragged = 0.05 * octaves(11, share, (9, 9), 3);
     let at = at + v(ragged, 0.7 * ragged);
-    let mut color = Vec3::new(0.215, 0.098, 0.043);
+    let mut color = Vec3::new(0.150, 0.069, 0.032);
     let mut cover = |tint: Vec3, amount: f32| color = color.lerp(tint, amount.clamp(0.0, 1.0));
-    let pale = Vec3::new(0.36, 0.25, 0.145);
+    let pale = Vec3::new(0.30, 0.21, 0.125);
     let dark = Vec3::new(0.070, 0.042, 0.026);
     // Darker back, paler belly and inside of the thighs.
     cover(
@@ -78,9 +78,9 @@ fn fur(at: Vec2, share: Vec2) -> Vec3 {
     );
     // Neck: a dark mane below.
     let mane = smooth(0.30, 0.48, at.x) * smooth(0.82, 0.95, at.y) * smooth(1.40, 1.25, at.y);
-    cover(Vec3::new(0.100, 0.055, 0.030), 0.75 * mane);
+    cover(Vec3::new(0.052, 0.030, 0.018), 0.9 * mane);
     // Legs: grey-brown, black at the hooves.
-    cover(Vec3::new(0.150, 0.092, 0.054), 0.85 * smooth(0.78, 0.52, at.y));
+    cover(Vec3::new(0.072, 0.047, 0.031), 0.95 * smooth(0.80, 0.55, at.y));
     cover(dark, 0.5 * smooth(0.46, 0.40, at.y) * smooth(0.30, 0.34, at.y));
     cover(Vec3::new(0.018, 0.014, 0.012), smooth(0.075, 0.052, at.y));
     // The mirror of the rump, with a dark border.

@@ -27,7 +27,7 @@ const LEVELS: [Level; 3] = [
         screen_coverage: 0.07,
     },
     Level {
-        triangles: 300,
+        triangles: 360,
         screen_coverage: 0.0,
     },
 ];

@@ -117,12 +117,12 @@ pub(super) fn graze(joints: &[Joint]) -> Clip {
         let mut pose = Pose::bind(joints);
         let mut turn = |name: &str, rotation| pose.turns[joint(joints, name)] = rotation;
         turn("spine", pitch(0.04 * down) * yaw(0.02 * search));
-        turn("chest", pitch(0.09 * down) * yaw(0.03 * search));
-        turn("neck_low", yaw(0.13 * search + 0.15 * look) * pitch(1.30 * down));
-        turn("neck_high", yaw(0.08 * search + 0.25 * look) * pitch(0.62 * down));
+        turn("chest", pitch(0.12 * down) * yaw(0.03 * search));
+        turn("neck_low", yaw(0.13 * search + 0.15 * look) * pitch(1.62 * down));
+        turn("neck_high", yaw(0.08 * search + 0.25 * look) * pitch(0.55 * down));
         turn(
             "head",
-            yaw(0.10 * search + 0.35 * look) * pitch(-0.88 * down + 0.03 * nibble),
+            yaw(0.10 * search + 0.35 * look) * pitch(-1.0 * down + 0.03 * nibble),
         );
         let prick = 0.35 * (1.0 - down);
         let flick = track(&[(0.20, 0.0), (0.22, 0.5), (0.24, 0.0)], phase);

@@ -160,6 +160,12 @@ pub(super) fn pieces(joints: &[Joint], outfit: &Outfit, [cloth, rest]: [usize; 2
     let mut pieces = vec![piece(s.done(), cloth, SKIN, 3)];
     head(&mut s);
     pieces.push(piece(s.done(), rest, SKIN, 3));
+    eye(&mut s);
+    pieces.push(Piece {
+        cell: 0.004,
+        importance: Box::new(|_| 1000.0),
+        ..piece(s.done(), rest, BLACK, 1)
+    });
     hand(&mut s);
     pieces.push(piece(s.done(), rest, SKIN, 3));
     hair(&mut s, outfit);
@@ -309,13 +315,13 @@ fn head(s: &mut Sculptor) {
     );
     s.middle(
         both,
-        [[0.0, 1.655, 0.095, 0.009], [0.0, 1.618, 0.115, 0.013]],
+        [[0.0, 1.655, 0.095, 0.009], [0.0, 1.620, 0.108, 0.012]],
         [1.0; 3],
         0.012,
     );
     s.pair(
         both,
-        [[0.0, 1.615, 0.106, 0.010], [0.012, 1.613, 0.100, 0.009]],
+        [[0.0, 1.616, 0.102, 0.010], [0.011, 1.614, 0.097, 0.009]],
         [1.0; 3],
         0.008,
     );
@@ -357,6 +363,15 @@ fn head(s: &mut Sculptor) {
             0.012,
         );
     }
+}
+
+fn eye(s: &mut Sculptor) {
+    s.pair(
+        ["head", "head"],
+        [[0.031, 1.649, 0.088, 0.0085], [0.035, 1.649, 0.087, 0.0085]],
+        [1.1, 0.8, 0.9],
+        0.0,
+    );
 }
 
 fn hand(s: &mut Sculptor) {
@@ -458,7 +473,7 @@ fn trousers(s: &mut Sculptor, outfit: &Outfit) {
     }
     s.pair(
         ["thigh_l", "thigh_l"],
-        [[0.092, top, -0.005, 0.094 * slim], [0.095, 0.50, 0.010, 0.066 * slim]],
+        [[0.090, top, -0.005, 0.086 * slim], [0.095, 0.50, 0.010, 0.066 * slim]],
         [1.0; 3],
         0.03,
     );
