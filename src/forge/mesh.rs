@@ -4,7 +4,10 @@
 
 use bevy_math::{Vec2, Vec3};
 
-use super::texture::picture::Picture;
+use super::{
+    rig::{Influence, Rig},
+    texture::picture::Picture,
+};
 
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +35,8 @@ pub struct Mesh {
     pub tangents: bool,
     /// Are shades part of the file, as vertex colours?
     pub shades: bool,
+    /// One per vertex for a mesh that a rig moves; else empty.
+    pub skin: Vec<Influence>,
 }
 
 impl Mesh {
@@ -60,6 +65,7 @@ impl Mesh {
     pub fn append(&mut self, other: &Self) {
         let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
         self.vertices.extend_from_slice(&other.vertices);
+        self.skin.extend_from_slice(&other.skin);
         self.indices.extend(other.indices.iter().map(|index| index + first));
     }
 
@@ -186,6 +192,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Shapes; the first is the default scene.
     pub variants: Vec<Variant>,
+    /// What moves the shapes.
+    pub rig: Option<Rig>,
 }
 
 impl Model {

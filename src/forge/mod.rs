@@ -17,6 +17,7 @@
 //! | deadwood | a stump, a log | [`ground::deadwood`] |
 //! | street, cars, tower, fountain | furniture, vehicles, a lattice tower, a fountain | [`street`] |
 //! | surfaces | tiles of ground: litter, earth, rock, grass, asphalt, stone | [`surface`] |
+//! | deer, walker | skinned figures with clips | soft objects, marching tetrahedra, edge collapse ([`figure`]) |
 //!
 //! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
 //! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
@@ -29,11 +30,13 @@
 //! ```
 
 pub mod bake;
+pub mod figure;
 pub mod glb;
 pub mod ground;
 pub mod mesh;
 pub mod plant;
 pub mod portable;
+pub mod rig;
 pub mod street;
 pub mod surface;
 pub mod texture;
@@ -125,6 +128,8 @@ const ASSETS: &[Recipe] = &[
     street::RECIPES[1],
     street::RECIPES[2],
     street::RECIPES[3],
+    figure::RECIPES[0],
+    figure::RECIPES[1],
 ];
 
 /// All assets.

@@ -1,5 +1,6 @@
 //! Assets from code: files that others can read, and the committed models.
 
 mod assets;
+mod figures;
 mod glb;
 mod leaves;

@@ -5,6 +5,8 @@
 //!   show the finest level.
 //! * Pictures are PNG (rough ground: JPEG) inside the file. Texture coordinates are of 16 bits where they stay inside the picture, shades 8-bit vertex colours, indices of 16
 //!   bits where they suffice.
+//! * A rig's joints are nodes below one node `rig`, which every scene names beside its mesh; all meshes share one skin. Its
+//!   extras say how far a clip walks in one loop: `umbrage_metres`. Clips are animations with linear key frames.
 //! * Leaves carry `KHR_materials_volume` (thickness) and `KHR_materials_diffuse_transmission`; impostor materials say
 //!   in `extras.umbrage_views` how their views lie in their pictures.
 
@@ -24,7 +26,10 @@ use gltf_json::{
 };
 use serde_json::{Map, Value, json};
 
+use self::skin::Skeleton;
 use super::mesh::{Leaf, Material, Mesh, Model, Part, Variant, Views};
+
+mod skin;
 
 const MAGIC: &[u8; 4] = b"glTF";
 const VERSION: u32 = 2;
@@ -42,8 +47,9 @@ pub fn bytes(model: &Model) -> Vec<u8> {
         let json = file.material(material);
         file.root.materials.push(json);
     }
+    let skeleton = model.rig.as_ref().map(|rig| file.rig(rig));
     for variant in &model.variants {
-        file.variant(variant);
+        file.variant(variant, skeleton);
     }
     file.root.scene = (!model.variants.is_empty()).then(|| Index::new(0));
     file.finish()
@@ -148,7 +154,7 @@ impl File {
         }
     }
 
-    fn variant(&mut self, variant: &Variant) {
+    fn variant(&mut self, variant: &Variant, skeleton: Option<Skeleton>) {
         let first = self.root.nodes.len();
         for (level, lod) in variant.lods.iter().enumerate() {
             let name = format!("{}_LOD{level}", variant.name);
@@ -166,6 +172,7 @@ impl File {
             self.root.nodes.push(Node {
                 name: Some(name),
                 mesh: Some(mesh),
+                skin: skeleton.map(|skeleton| skeleton.skin),
                 ..Default::default()
             });
         }
@@ -184,7 +191,11 @@ impl File {
         }
         self.root.scenes.push(Scene {
             name: Some(variant.name.clone()),
-            nodes: vec![index(first)],
+            nodes: skeleton
+                .map(|skeleton| skeleton.root)
+                .into_iter()
+                .chain([index(first)])
+                .collect(),
             extensions: None,
             extras: None,
         });
@@ -210,6 +221,16 @@ impl File {
         if mesh.shades {
             add(Semantic::Colors(0), self.shades(mesh));
         }
+        if !mesh.skin.is_empty() {
+            add(
+                Semantic::Joints(0),
+                self.bytes4(mesh.skin.iter().map(|influence| influence.joints), false),
+            );
+            add(
+                Semantic::Weights(0),
+                self.bytes4(mesh.skin.iter().map(|influence| influence.weights), true),
+            );
+        }
         Primitive {
             attributes,
             indices: Some(self.indices(mesh)),
@@ -234,7 +255,7 @@ impl File {
     fn floats<const N: usize>(&mut self, type_: Type, values: impl Iterator<Item = [f32; N]>) -> Index<Accessor> {
         let bytes: Vec<u8> = values.flatten().flat_map(f32::to_le_bytes).collect();
         let count = bytes.len() / (4 * N);
-        self.accessor(&bytes, Target::ArrayBuffer, ComponentType::F32, type_, count)
+        self.accessor(&bytes, Some(Target::ArrayBuffer), ComponentType::F32, type_, count)
     }
 
     /// 16 bits where all coordinates are inside the picture, else floats.
@@ -247,7 +268,7 @@ impl File {
         let code = |coordinate: f32| (coordinate * 65535.0 + 0.5) as u16;
         let bytes: Vec<u8> = uvs().flat_map(|coordinate| code(coordinate).to_le_bytes()).collect();
         let count = mesh.vertices.len();
-        let accessor = self.accessor(&bytes, Target::ArrayBuffer, ComponentType::U16, Type::Vec2, count);
+        let accessor = self.accessor(&bytes, Some(Target::ArrayBuffer), ComponentType::U16, Type::Vec2, count);
         if let Some(last) = self.root.accessors.last_mut() {
             last.normalized = true;
         }
@@ -261,15 +282,22 @@ impl File {
             reason = "clamped to 0..=255"
         )]
         let code = |shade: f32| (shade.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-        let bytes: Vec<u8> = mesh
-            .vertices
-            .iter()
-            .flat_map(|v| [code(v.shade), code(v.shade), code(v.shade), 255])
-            .collect();
-        let count = mesh.vertices.len();
-        let accessor = self.accessor(&bytes, Target::ArrayBuffer, ComponentType::U8, Type::Vec4, count);
+        let colors = mesh.vertices.iter().map(|v| code(v.shade));
+        self.bytes4(colors.map(|shade| [shade, shade, shade, 255]), true)
+    }
+
+    /// Four bytes per vertex; `normalized` ones stand for 0..=1.
+    fn bytes4(&mut self, values: impl Iterator<Item = [u8; 4]>, normalized: bool) -> Index<Accessor> {
+        let bytes: Vec<u8> = values.flatten().collect();
+        let accessor = self.accessor(
+            &bytes,
+            Some(Target::ArrayBuffer),
+            ComponentType::U8,
+            Type::Vec4,
+            bytes.len() / 4,
+        );
         if let Some(last) = self.root.accessors.last_mut() {
-            last.normalized = true;
+            last.normalized = normalized;
         }
         accessor
     }
@@ -289,7 +317,7 @@ impl File {
         };
         self.accessor(
             &bytes,
-            Target::ElementArrayBuffer,
+            Some(Target::ElementArrayBuffer),
             component,
             Type::Scalar,
             mesh.indices.len(),
@@ -299,12 +327,12 @@ impl File {
     fn accessor(
         &mut self,
         bytes: &[u8],
-        target: Target,
+        target: Option<Target>,
         component: ComponentType,
         type_: Type,
         count: usize,
     ) -> Index<Accessor> {
-        let view = self.view(bytes, Some(target));
+        let view = self.view(bytes, target);
         Index::push(
             &mut self.root.accessors,
             Accessor {
