@@ -46,7 +46,7 @@ const SHADER: &str = "umbrage/level/cover.wgsl";
 
 impl MaterialExtension for CoverTiles {
     fn fragment_shader() -> ShaderRef {
-        format!("embedded://{SHADER}").into()
+        "embedded://umbrage/level/cover.wgsl".into()
     }
 }
 

@@ -209,7 +209,8 @@ fn levels(tree: &Tree, skeleton: &Skeleton, bark: usize, leaves: Option<usize>) 
             parts.retain(|part| part.mesh.triangle_count() > 0);
             Lod {
                 parts,
-                screen_coverage: *screen_coverage,
+                // Small plants are looked at from nearer, and their impostors have as few texels as those of trees.
+                screen_coverage: screen_coverage * size.sqrt(),
             }
         })
         .collect()
