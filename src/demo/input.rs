@@ -52,6 +52,8 @@ pub enum Action {
     SunDown,
     /// While held: the mouse moves the sun instead of the view.
     SunDrag,
+    /// Let the day run or stop it.
+    ToggleDay,
     /// The next overlay.
     NextOverlay,
     /// Show or hide the view from outside.
@@ -175,6 +177,7 @@ pub const ROWS: &[Row] = {
             ],
         ),
         playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
+        playing("let the day run, stop it", &[(Key(KeyCode::KeyK), ToggleDay)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
         playing("outside view", &[(Key(KeyCode::F5), ToggleOutside)]),
         playing("judge the frozen frame against truth", &[(Key(KeyCode::KeyJ), Judge)]),

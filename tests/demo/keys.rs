@@ -197,6 +197,41 @@ fn arrows_move_the_sun_while_held() {
     );
 }
 
+/// An hour takes six seconds; in an hour of a morning the sun turns by 10 to 20 degrees and rises by about 10.
+#[test]
+fn k_lets_the_day_run_until_it_is_pressed_again_or_the_sun_is_moved() {
+    let mut game = Game::playing();
+    let still = game.sun();
+    game.seconds(1.0);
+    assert_eq!(game.sun(), still, "days stand still at first");
+    game.tap(KeyCode::KeyK);
+    game.frames(2);
+    let start = game.sun();
+    game.seconds(6.0);
+    let turned = (game.sun().azimuth - start.azimuth).to_degrees();
+    let risen = (game.sun().elevation - start.elevation).to_degrees();
+    assert!(
+        (10.0..25.0).contains(&turned) && (7.0..11.0).contains(&risen),
+        "{turned} {risen}"
+    );
+    game.tap(KeyCode::KeyK);
+    game.frames(1);
+    let stopped = game.sun();
+    game.seconds(1.0);
+    assert_eq!(game.sun(), stopped, "pressed again");
+
+    game.tap(KeyCode::KeyK);
+    game.seconds(1.0);
+    assert_ne!(game.sun(), stopped, "it runs");
+    game.hold(KeyCode::ArrowUp);
+    game.frames(2);
+    game.release(KeyCode::ArrowUp);
+    game.frames(1);
+    let moved = game.sun();
+    game.seconds(1.0);
+    assert_eq!(game.sun(), moved, "moved by hand");
+}
+
 #[test]
 fn l_gives_the_mouse_to_the_sun() {
     let mut game = Game::playing();
