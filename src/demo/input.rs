@@ -54,6 +54,8 @@ pub enum Action {
     SunDrag,
     /// Let the day run or stop it.
     ToggleDay,
+    /// Switch the sway of the view in walking on or off.
+    ToggleBob,
     /// The next overlay.
     NextOverlay,
     /// Show or hide the view from outside.
@@ -129,6 +131,7 @@ pub const ROWS: &[Row] = {
         ),
         playing("look around", &[(Mouse, Look)]),
         playing("fly or walk", &[(Key(KeyCode::KeyF), ToggleFly)]),
+        playing("sway of the view in walking", &[(Key(KeyCode::KeyB), ToggleBob)]),
         playing(
             "up, when flying",
             &[(Key(KeyCode::KeyE), Up), (Key(KeyCode::Space), Up)],

@@ -233,6 +233,14 @@ fn k_lets_the_day_run_until_it_is_pressed_again_or_the_sun_is_moved() {
 }
 
 #[test]
+fn b_switches_the_sway_of_the_view() {
+    let mut game = Game::playing();
+    assert!(game.walker().head_bob, "on at first");
+    game.tap(KeyCode::KeyB);
+    assert!(!game.walker().head_bob, "off");
+}
+
+#[test]
 fn l_gives_the_mouse_to_the_sun() {
     let mut game = Game::playing();
     let (sun, walker) = (game.sun(), game.walker());
