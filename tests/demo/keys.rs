@@ -46,7 +46,8 @@ fn wasd_walks_and_the_camera_follows() {
         .single(world)
         .unwrap();
     assert!(
-        camera.translation().abs_diff_eq(walker.eye(), 1e-4),
+        camera.translation().abs_diff_eq(walker.camera().translation, 1e-4)
+            && camera.translation().abs_diff_eq(walker.eye(), 0.05),
         "{} {}",
         camera.translation(),
         walker.eye()

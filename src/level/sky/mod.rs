@@ -7,9 +7,9 @@
 //! ```
 //!
 //! All of it is worked out on the processor when the sun has moved, so a frame costs the GPU no more than a cube map.
-//! Bevy's own `Atmosphere` computes the same model in every frame on the GPU, needs a high-dynamic-range target and several
-//! look-up passes, and its sky is another picture in every view: too dear for software adapters, which draw Umbrage's
-//! pictures and tests, so it is not used.
+//! Bevy's own `Atmosphere` computes the same model in every frame on the GPU: several look-up passes, and a target of high
+//! dynamic range, which shots and demo otherwise do without. With Bevy 0.19.1 its passes end the process with a segmentation
+//! fault on llvmpipe (LLVM 15), the software adapter that draws Umbrage's pictures and tests, so it is not used.
 
 use bevy::{
     asset::RenderAssetUsages,
