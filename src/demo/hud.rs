@@ -13,12 +13,12 @@ use super::{
     DemoSystems,
     player::Player,
     screens::Screen,
-    sun::SunAngles,
+    sun::{Day, SunAngles},
     technique::{Chosen, Setting},
     walker::Mode,
 };
 use crate::{
-    level::{LoadedScene, Sun},
+    level::{LoadedScene, Sun, sky::course::clock},
     shadow::technique::Technique,
     ui::hud::HudText,
 };
@@ -108,6 +108,7 @@ fn write_status(
     adapter: Option<Res<RenderAdapterInfo>>,
     players: Query<&Player>,
     suns: Query<&Transform, With<Sun>>,
+    day: Res<Day>,
     mut hud: ResMut<HudText>,
 ) {
     let smoothed = |path| diagnostics.get(&path).and_then(|diagnostic| diagnostic.smoothed());
@@ -137,6 +138,15 @@ fn write_status(
             "sun {:.0} deg from north, {:.1} deg high",
             angles.azimuth.to_degrees().rem_euclid(360.0),
             angles.elevation.to_degrees()
+        ));
+    }
+    if let Some(hour) = day.hour {
+        let course = scene.sun.course();
+        lines.push(format!(
+            "{} on day {} at {:.0} deg north",
+            clock(hour),
+            course.day,
+            course.latitude_deg
         ));
     }
     let status = lines.join("\n");

@@ -52,6 +52,10 @@ pub enum Action {
     SunDown,
     /// While held: the mouse moves the sun instead of the view.
     SunDrag,
+    /// Let the day run or stop it.
+    ToggleDay,
+    /// Switch the sway of the view in walking on or off.
+    ToggleBob,
     /// The next overlay.
     NextOverlay,
     /// Show or hide the view from outside.
@@ -127,6 +131,7 @@ pub const ROWS: &[Row] = {
         ),
         playing("look around", &[(Mouse, Look)]),
         playing("fly or walk", &[(Key(KeyCode::KeyF), ToggleFly)]),
+        playing("sway of the view in walking", &[(Key(KeyCode::KeyB), ToggleBob)]),
         playing(
             "up, when flying",
             &[(Key(KeyCode::KeyE), Up), (Key(KeyCode::Space), Up)],
@@ -175,6 +180,7 @@ pub const ROWS: &[Row] = {
             ],
         ),
         playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
+        playing("let the day run, stop it", &[(Key(KeyCode::KeyK), ToggleDay)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
         playing("outside view", &[(Key(KeyCode::F5), ToggleOutside)]),
         playing("judge the frozen frame against truth", &[(Key(KeyCode::KeyJ), Judge)]),

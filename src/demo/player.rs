@@ -43,7 +43,7 @@ pub(super) fn player(scene: &LoadedScene, mode: Mode) -> impl Bundle {
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(
         Update,
-        (toggle_fly, move_player)
+        (toggle_fly, toggle_bob, move_player)
             .chain()
             .in_set(DemoSystems::Act)
             .run_if(in_state(Activity::Running)),
@@ -59,6 +59,21 @@ fn toggle_fly(intent: Res<Intent>, mut players: Query<&mut Player>, mut notice: 
         notice.show(match player.walker.mode {
             Mode::Walk => "walking",
             Mode::Fly => "flying: E up, Q down",
+        });
+    }
+}
+
+fn toggle_bob(intent: Res<Intent>, mut players: Query<&mut Player>, mut notice: ResMut<Notice>) {
+    if !intent.started(Action::ToggleBob) {
+        return;
+    }
+    for mut player in &mut players {
+        let sways = &mut player.walker.head_bob;
+        *sways = !*sways;
+        notice.show(if *sways {
+            "the view sways"
+        } else {
+            "the view does not sway"
         });
     }
 }

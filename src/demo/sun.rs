@@ -1,11 +1,16 @@
-//! The sun by keys: azimuth and elevation to the direction of sunlight and back.
+//! The sun by keys, azimuth and elevation to the direction of sunlight and back; and the course of the day.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use bevy::prelude::*;
 
-use super::{DemoSystems, input::Intent, screens::Activity};
-use crate::level::Sun;
+use super::{
+    DemoSystems,
+    hud::Notice,
+    input::{Action, Intent},
+    screens::Activity,
+};
+use crate::level::{LoadedScene, Sun, sky::course::DayCourse};
 
 /// Where the sun stands, seen from the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,18 +85,81 @@ impl SunAngles {
     }
 }
 
+/// The course of the day: the sun moves on its path over the level's latitude and day, and nights are left out.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Day {
+    /// Local solar time while the day runs.
+    pub hour: Option<f32>,
+}
+
+impl Day {
+    /// Hours of the day in a second of play: from sunrise to sunset in one and a half minutes at most.
+    pub const HOURS_PER_SECOND: f32 = 1.0 / 6.0;
+
+    /// The hour `seconds` after `hour`; after the hour at which the sun sinks below what keys reach comes the one at which
+    /// it rises above it. `None` on days on which it never does.
+    #[must_use]
+    pub fn after(course: &DayCourse, hour: f32, seconds: f32) -> Option<f32> {
+        let (rise, set) = course.hours_above(SunAngles::MIN_ELEVATION)?;
+        let next = hour + seconds * Self::HOURS_PER_SECOND;
+        Some(if (rise..set).contains(&next) { next } else { rise })
+    }
+}
+
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(
+    app.init_resource::<Day>().add_systems(
         Update,
-        move_sun.in_set(DemoSystems::Act).run_if(in_state(Activity::Running)),
+        (toggle_day, run_day, move_sun)
+            .chain()
+            .in_set(DemoSystems::Act)
+            .run_if(in_state(Activity::Running)),
     );
 }
 
-fn move_sun(intent: Res<Intent>, time: Res<Time>, mut suns: Query<&mut Transform, With<Sun>>) {
+fn toggle_day(
+    intent: Res<Intent>,
+    scene: Res<LoadedScene>,
+    suns: Query<&Transform, With<Sun>>,
+    mut day: ResMut<Day>,
+    mut notice: ResMut<Notice>,
+) {
+    if !intent.started(Action::ToggleDay) {
+        return;
+    }
+    if day.hour.take().is_some() {
+        notice.show("the day stands still");
+        return;
+    }
+    let course = scene.sun.course();
+    let Some(sun) = suns.iter().next() else { return };
+    day.hour = Day::after(&course, course.nearest_hour(sun.forward().as_vec3()), 0.0);
+    notice.show(match day.hour {
+        Some(_) => "the day runs: an hour in six seconds",
+        None => "the sun does not rise on this level's day",
+    });
+}
+
+/// A new scene has its own sun, and the day stands still.
+fn run_day(time: Res<Time>, scene: Res<LoadedScene>, mut suns: Query<&mut Transform, With<Sun>>, mut day: ResMut<Day>) {
+    if scene.is_changed() {
+        day.set_if_neq(Day::default());
+    }
+    let Some(hour) = day.hour else { return };
+    let course = scene.sun.course();
+    day.hour = Day::after(&course, hour, time.delta_secs());
+    if let Some(hour) = day.hour {
+        for mut transform in &mut suns {
+            transform.rotation = SunAngles::from_light_dir(course.light_dir(hour)).rotation();
+        }
+    }
+}
+
+fn move_sun(intent: Res<Intent>, time: Res<Time>, mut suns: Query<&mut Transform, With<Sun>>, mut day: ResMut<Day>) {
     let step = intent.sun * SPEED * time.delta_secs() + intent.sun_drag;
     if step == Vec2::ZERO {
         return;
     }
+    day.hour = None;
     for mut transform in &mut suns {
         let angles = SunAngles::from_light_dir(transform.forward().as_vec3()).moved(step.x, step.y);
         transform.rotation = angles.rotation();
@@ -109,6 +177,30 @@ mod tests {
             azimuth: azimuth * DEGREE,
             elevation: elevation * DEGREE,
         }
+    }
+
+    /// At 48 degrees north on the longest day the sun stands 2 degrees high at about 4:17 and 19:43.
+    #[test]
+    fn days_follow_one_another_without_nights() {
+        let course = DayCourse {
+            latitude_deg: 48.0,
+            day: 172,
+        };
+        let next = Day::after(&course, 9.0, 6.0).expect("a day");
+        assert!((next - 10.0).abs() < 1e-4, "{next}");
+        let next = Day::after(&course, 19.7, 6.0).expect("a day");
+        assert!((next - 4.28).abs() < 0.05, "{next}");
+        assert_eq!(
+            Day::after(
+                &DayCourse {
+                    day: 355,
+                    latitude_deg: 80.0
+                },
+                9.0,
+                6.0
+            ),
+            None
+        );
     }
 
     #[test]

@@ -114,7 +114,7 @@ pub fn generate(level: &Level, city: &City) -> Scenery {
     Scenery {
         statics,
         placements,
-        ground: Ground::new(Surface::Flat(0.0), steps, blockers),
+        ground: Ground::new(Surface::Flat(0.0), steps, blockers).within(level.terrain.size),
     }
 }
 

@@ -13,6 +13,8 @@ const GRID: f32 = 8.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
     surface: Surface,
+    /// Extent along x and z, centred on the origin; absent: endless.
+    extent: Option<Vec2>,
     steps: Vec<Step>,
     blockers: Vec<Blocker>,
     steps_at: HashMap<[i32; 2], Vec<u32>>,
@@ -138,6 +140,18 @@ impl Ground {
             blockers,
             ..ground
         }
+    }
+
+    /// The same with an end: `extent` metres along x and z, centred on the origin.
+    #[must_use]
+    pub fn within(mut self, extent: Vec2) -> Self {
+        self.extent = Some(extent);
+        self
+    }
+
+    /// Extent along x and z, centred on the origin; `None` where there is no end.
+    pub fn extent(&self) -> Option<Vec2> {
+        self.extent.or_else(|| self.terrain().map(Terrain::size))
     }
 
     /// A plane without obstacles.

@@ -11,7 +11,7 @@ use bevy::{
 };
 
 use super::{
-    format::{Spawn, SunSettings},
+    format::{Air, Spawn, SunSettings},
     ground::Ground,
     load::{Job, LevelEntity, LoadedScene, SceneStatus, loading, one_sentence},
     shot::Shot,
@@ -110,8 +110,12 @@ pub(super) fn advance_gltf(
                     "{file} holds no triangles with finite positions: export one that has meshes"
                 )),
                 Some((min, max)) => {
+                    let mut air = Air::default();
+                    // Whatever a unit is, haze shall not hide the scene.
+                    air.visibility = air.visibility.max(CLEAR_SIZES * (max - min).length());
                     let sun = SunSettings {
                         light_dir: Some(SUN),
+                        air,
                         ..default()
                     };
                     sky::spawn_sun(&mut commands, &sun);
@@ -143,6 +147,8 @@ pub(super) fn advance_gltf(
     });
 }
 
+/// One sees as far as this many times the scene's diagonal, at least.
+const CLEAR_SIZES: f32 = 20.0;
 /// The made-up shot's name.
 const SHOT: &str = "overview";
 /// At 45°, from the left of the made-up shot and a little behind it.

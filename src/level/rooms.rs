@@ -79,7 +79,7 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
             }
         }
     }
-    finish(statics, placements)
+    finish(size, statics, placements)
 }
 
 /// Generates the instancing test: conifers, birches and dead trees on a square lattice.
@@ -105,18 +105,16 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
             }
         })
         .collect();
-    finish(
-        vec![plane(level.terrain.size.max(Vec2::splat(extent + 20.0)))],
-        placements,
-    )
+    let size = level.terrain.size.max(Vec2::splat(extent + 20.0));
+    finish(size, vec![plane(size)], placements)
 }
 
-fn finish(statics: Vec<Static>, placements: Vec<Placement>) -> Scenery {
+fn finish(size: Vec2, statics: Vec<Static>, placements: Vec<Placement>) -> Scenery {
     let blockers = placements.iter().filter_map(Placement::blocker).collect();
     Scenery {
         statics,
         placements,
-        ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers),
+        ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers).within(size),
     }
 }
 

@@ -46,7 +46,8 @@ fn wasd_walks_and_the_camera_follows() {
         .single(world)
         .unwrap();
     assert!(
-        camera.translation().abs_diff_eq(walker.eye(), 1e-4),
+        camera.translation().abs_diff_eq(walker.camera().translation, 1e-4)
+            && camera.translation().abs_diff_eq(walker.eye(), 0.05),
         "{} {}",
         camera.translation(),
         walker.eye()
@@ -195,6 +196,49 @@ fn arrows_move_the_sun_while_held() {
         "the bottom: {:?}",
         game.sun()
     );
+}
+
+/// An hour takes six seconds; in an hour of a morning the sun turns by 10 to 20 degrees and rises by about 10.
+#[test]
+fn k_lets_the_day_run_until_it_is_pressed_again_or_the_sun_is_moved() {
+    let mut game = Game::playing();
+    let still = game.sun();
+    game.seconds(1.0);
+    assert_eq!(game.sun(), still, "days stand still at first");
+    game.tap(KeyCode::KeyK);
+    game.frames(2);
+    let start = game.sun();
+    game.seconds(6.0);
+    let turned = (game.sun().azimuth - start.azimuth).to_degrees();
+    let risen = (game.sun().elevation - start.elevation).to_degrees();
+    assert!(
+        (10.0..25.0).contains(&turned) && (7.0..11.0).contains(&risen),
+        "{turned} {risen}"
+    );
+    game.tap(KeyCode::KeyK);
+    game.frames(1);
+    let stopped = game.sun();
+    game.seconds(1.0);
+    assert_eq!(game.sun(), stopped, "pressed again");
+
+    game.tap(KeyCode::KeyK);
+    game.seconds(1.0);
+    assert_ne!(game.sun(), stopped, "it runs");
+    game.hold(KeyCode::ArrowUp);
+    game.frames(2);
+    game.release(KeyCode::ArrowUp);
+    game.frames(1);
+    let moved = game.sun();
+    game.seconds(1.0);
+    assert_eq!(game.sun(), moved, "moved by hand");
+}
+
+#[test]
+fn b_switches_the_sway_of_the_view() {
+    let mut game = Game::playing();
+    assert!(game.walker().head_bob, "on at first");
+    game.tap(KeyCode::KeyB);
+    assert!(!game.walker().head_bob, "off");
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! Walking through the real levels.
+//! A walker at random in forest and city: ten minutes of game time for every seed.
 
-use std::f32::consts::PI;
+use std::{collections::HashSet, f32::consts::PI, fs};
 
 use bevy::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -10,69 +10,119 @@ use umbrage::{
         input::Intent,
         walker::{BODY_HEIGHT, Mode, RADIUS, STEP_HEIGHT, Walker},
     },
-    level::{find::asset_root, ground::Ground, parse, scenery},
+    level::{find::asset_root, ground::Ground, parse::parse, scenery},
 };
 
-/// How deep a body at `feet` is inside of an obstacle.
+const FRAME: f32 = 1.0 / 60.0;
+const SECONDS: usize = 600;
+/// Side of the squares that are counted as visited, in metres.
+const SQUARE: f32 = 5.0;
+/// Overlap that counts as touching, in metres.
+const TOUCH: f32 = 2.0e-3;
+
+fn ground_and_start(name: &str) -> (Ground, Walker) {
+    let root = asset_root(None).expect("the repository's levels");
+    let bytes = fs::read(root.levels().join(format!("{name}.level.ron"))).expect("a level file");
+    let level = parse(&bytes).expect("a level");
+    let ground = scenery::generate(&level).ground;
+    let walker = Walker::looking_at(level.spawn.position, level.spawn.look_at, Mode::Walk).settled(&ground);
+    (ground, walker)
+}
+
+/// How deep a body with these feet is in something that it can neither step on nor pass below.
 fn depth(ground: &Ground, feet: Vec3) -> f32 {
-    let at = feet.xz();
-    let in_the_way = ground
-        .blockers_near(at, RADIUS)
+    ground
+        .blockers_near(feet.xz(), RADIUS)
         .into_iter()
-        .filter(|blocker| blocker.top > feet.y + STEP_HEIGHT && blocker.bottom < feet.y + BODY_HEIGHT);
-    in_the_way
-        .map(|blocker| RADIUS - blocker.outwards(at).0)
+        .filter(|blocker| blocker.top > feet.y + STEP_HEIGHT && blocker.bottom < feet.y + BODY_HEIGHT)
+        .map(|blocker| RADIUS - blocker.outwards(feet.xz()).0)
         .fold(0.0, f32::max)
 }
 
-fn stroll(name: &str, least_way: f32) {
-    let root = asset_root(None).unwrap_or_else(|error| panic!("{error}"));
-    let path = root.levels().join(format!("{name}.level.ron"));
-    let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let level = parse::parse(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let ground = scenery::generate(&level).ground;
-
-    let mut walker = Walker::looking_at(level.spawn.position, level.spawn.look_at, Mode::Walk).settled(&ground);
-    assert!(
-        depth(&ground, walker.feet) < 0.01,
-        "{name}: the spawn is inside of something"
-    );
-    let mut random = ChaCha8Rng::seed_from_u64(7);
-    let (mut way, mut farthest) = (0.0, 0.0f32);
-    let start = walker.feet;
-    for frame in 0..5 * 60 * 60 {
-        if frame % 240 == 0 {
-            walker.yaw = random.random_range(-PI..PI);
-        }
-        let intent = Intent {
-            movement: Vec3::Z,
-            faster: true,
-            look: Vec2::new(random.random_range(-0.03..0.03), 0.0),
-            ..default()
+/// Walks for ten minutes, turns at random every second or so, runs now and then, and looks at every frame.
+fn wander(name: &str, ground: &Ground, mut walker: Walker, seed: u64) {
+    let what = |second: usize| format!("{name}, seed {seed}, second {second}");
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let half = ground.extent().expect("levels have an end") * 0.5;
+    let start_depth = depth(ground, walker.feet);
+    assert!(start_depth < TOUCH, "{}: the start lies {start_depth} m deep", what(0));
+    let mut visited = HashSet::new();
+    let mut squares_by_minute = Vec::new();
+    let mut way_in_ten_seconds = 0.0;
+    for second in 0..SECONDS {
+        let turn = random.random_range(-0.5 * PI..0.5 * PI);
+        let faster = random.random_bool(0.4);
+        let sideways = if random.random_bool(0.2) {
+            random.random_range(-1.0..1.0)
+        } else {
+            0.0
         };
-        let before = walker.feet;
-        walker.step(&intent, &ground, 1.0 / 60.0);
-        let feet = walker.feet;
-        let height = ground.height(feet.x, feet.z);
-        assert!(walker.camera().is_finite(), "{name}, frame {frame}: {walker:?}");
-        assert!(feet.y >= height - 1e-3, "{name}, frame {frame}: {feet} below {height}");
-        assert!(
-            depth(&ground, feet) < 0.01,
-            "{name}, frame {frame}: inside of something at {feet}"
-        );
-        way += feet.xz().distance(before.xz());
-        farthest = farthest.max(feet.xz().distance(start.xz()));
+        for frame in 0..60 {
+            // A quick turn in the first fifth of each second, as with a mouse.
+            let yaw = if frame < 12 { turn / 12.0 } else { 0.0 };
+            let intent = Intent {
+                movement: Vec3::new(sideways, 0.0, 1.0),
+                faster,
+                look: Vec2::new(yaw, 0.0),
+                ..default()
+            };
+            let before = walker.feet;
+            walker.step(&intent, ground, FRAME);
+            let feet = walker.feet;
+            assert!(
+                feet.is_finite() && walker.camera().is_finite(),
+                "{}: {walker:?}",
+                what(second)
+            );
+            let height = ground.height(feet.x, feet.z);
+            assert!(feet.y >= height - 1e-3, "{}: {feet} below {height}", what(second));
+            assert!(
+                walker.camera().translation.y > height + 1.2,
+                "{}: {walker:?}",
+                what(second)
+            );
+            let deep = depth(ground, feet);
+            assert!(deep < TOUCH, "{}: {deep} m deep at {feet}", what(second));
+            assert!(feet.xz().abs().cmple(half).all(), "{}: left at {feet}", what(second));
+            let step = feet.xz().distance(before.xz());
+            assert!(step < 0.16, "{}: {step} m in a frame", what(second));
+            way_in_ten_seconds += step;
+        }
+        visited.insert((walker.feet.xz() / SQUARE).floor().as_ivec2());
+        if second % 10 == 9 {
+            assert!(
+                way_in_ten_seconds > 5.0,
+                "{}: {way_in_ten_seconds} m in ten seconds",
+                what(second)
+            );
+            way_in_ten_seconds = 0.0;
+        }
+        if second % 60 == 59 {
+            squares_by_minute.push(visited.len());
+        }
     }
-    assert!(way > least_way, "{name}: got stuck after {way} m");
-    assert!(farthest > 20.0, "{name}: never got farther than {farthest} m");
+    for pair in squares_by_minute.windows(3) {
+        assert!(
+            pair[2] > pair[0],
+            "{}: no new ground: {squares_by_minute:?}",
+            what(SECONDS)
+        );
+    }
+    assert!(visited.len() > 100, "{}: {squares_by_minute:?}", what(SECONDS));
 }
 
 #[test]
-fn a_stroll_in_the_forest() {
-    stroll("forest", 1000.0);
+fn ten_minutes_in_the_forest_get_nobody_stuck() {
+    let (ground, walker) = ground_and_start("forest");
+    for seed in 0..3 {
+        wander("forest", &ground, walker, seed);
+    }
 }
 
 #[test]
-fn a_stroll_in_the_city() {
-    stroll("city", 1000.0);
+fn ten_minutes_in_the_city_get_nobody_stuck() {
+    let (ground, walker) = ground_and_start("city");
+    for seed in 0..3 {
+        wander("city", &ground, walker, seed);
+    }
 }

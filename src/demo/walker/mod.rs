@@ -3,6 +3,9 @@
 //! The body is an upright cylinder. An obstacle whose top is at most [`STEP_HEIGHT`] above the feet carries it, a
 //! higher one stops it and lets it slide along; what ends below the feet or begins above the head is not there. A step
 //! never deepens an overlap, so a body that starts inside an obstacle can only get out.
+//!
+//! Speed is gained and lost within a fraction of a second, steps uphill are slower, and ground that is too steep to climb
+//! lets slide down. The eye follows the feet smoothly and sways with the strides, which can be switched off.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,8 +14,10 @@ use bevy::prelude::*;
 use super::input::Intent;
 use crate::level::ground::Ground;
 
+mod gait;
 mod surroundings;
 
+use gait::Gait;
 use surroundings::Surroundings;
 
 /// How the walker gets about.
@@ -36,9 +41,14 @@ pub struct Walker {
     pub pitch: f32,
     /// Walking or flying.
     pub mode: Mode,
+    /// Whether the view sways with the strides; it does unless switched off.
+    pub head_bob: bool,
     /// Height of the eye, which follows the feet smoothly.
     eye_y: f32,
     fall_speed: f32,
+    /// Along x and z, in metres per second.
+    velocity: Vec2,
+    gait: Gait,
 }
 
 /// Eyes above the feet, in metres.
@@ -49,15 +59,19 @@ pub const BODY_HEIGHT: f32 = 1.8;
 pub const RADIUS: f32 = 0.3;
 /// The highest edge that is stepped onto, in metres.
 pub const STEP_HEIGHT: f32 = 0.4;
-/// Upward part of the unit normal of the steepest slope that is climbed: the cosine of 50 degrees.
-pub const MIN_NORMAL_Y: f32 = 0.643;
+/// Upward part of the unit normal of the steepest slope that is climbed, and on which one stands: the cosine of 45 degrees.
+pub const MIN_NORMAL_Y: f32 = std::f32::consts::FRAC_1_SQRT_2;
 /// The view goes up and down to 89 degrees, so that left and right stay known.
 pub const MAX_PITCH: f32 = FRAC_PI_2 - PI / 180.0;
 /// Longest time of one step, in seconds: after a pause of the machine nobody is thrown across the level.
 pub const MAX_SECONDS: f32 = 0.1;
 
 const WALK_SPEED: f32 = 3.5;
-const RUN_SPEED: f32 = 10.0;
+const RUN_SPEED: f32 = 7.0;
+/// How fast the velocity becomes what is wanted, per second: nine tenths within a quarter of a second.
+const VELOCITY_RATE: f32 = 10.0;
+/// Sliding down gets no faster than this, in metres per second.
+const SLIDE_SPEED: f32 = 8.0;
 const FLY_SPEED: f32 = 12.0;
 const FAST_FLY_SPEED: f32 = 60.0;
 const GRAVITY: f32 = 9.81;
@@ -84,8 +98,11 @@ impl Walker {
             yaw: (-direction.x).atan2(-direction.z),
             pitch: direction.y.clamp(-1.0, 1.0).asin().clamp(-MAX_PITCH, MAX_PITCH),
             mode,
+            head_bob: true,
             eye_y: eye.y,
             fall_speed: 0.0,
+            velocity: Vec2::ZERO,
+            gait: Gait::default(),
         }
     }
 
@@ -104,9 +121,11 @@ impl Walker {
         Vec3::new(self.feet.x, self.eye_y, self.feet.z)
     }
 
-    /// The camera's place: −z along the view, y up.
+    /// The camera's place: −z along the view, y up; the eye, and what the strides add to it.
     pub fn camera(&self) -> Transform {
-        Transform::from_translation(self.eye()).with_rotation(self.rotation())
+        let sway = if self.head_bob { self.gait.sway() } else { Vec2::ZERO };
+        let sideways = Quat::from_rotation_y(self.yaw) * Vec3::X;
+        Transform::from_translation(self.eye() + sideways * sway.x + Vec3::Y * sway.y).with_rotation(self.rotation())
     }
 
     /// From walking to flying and back; the feet find the ground with the next step.
@@ -117,6 +136,8 @@ impl Walker {
         };
         self.feet.y = self.eye_y - EYE_HEIGHT;
         self.fall_speed = 0.0;
+        self.velocity = Vec2::ZERO;
+        self.gait = Gait::default();
     }
 
     /// Turns and moves for `seconds`.
@@ -141,6 +162,13 @@ impl Walker {
         }
     }
 
+    /// The normal of the ground that the feet stand on, where it is too steep to stand.
+    fn steep_ground(&self, ground: &Ground) -> Option<Vec3> {
+        let normal = ground.normal(self.feet.x, self.feet.z);
+        let stands = self.feet.y - ground.height(self.feet.x, self.feet.z) < TOUCH;
+        (stands && normal.y < MIN_NORMAL_Y).then_some(normal)
+    }
+
     fn rotation(&self) -> Quat {
         Quat::from_rotation_y(self.yaw) * Quat::from_rotation_x(self.pitch)
     }
@@ -157,12 +185,33 @@ impl Walker {
     fn walk(&mut self, movement: Vec3, faster: bool, ground: &Ground, seconds: f32) {
         let speed = if faster { RUN_SPEED } else { WALK_SPEED };
         let direction = Quat::from_rotation_y(self.yaw) * Vec3::new(movement.x, 0.0, -movement.z);
-        let path = direction.xz().clamp_length_max(1.0) * speed * seconds;
+        let direction = direction.xz().clamp_length_max(1.0);
+        self.velocity = match self.steep_ground(ground) {
+            Some(normal) => {
+                // What pulls along the slope, seen from above.
+                let pull = normal.xz() * normal.y * GRAVITY;
+                (self.velocity + pull * seconds).clamp_length_max(SLIDE_SPEED)
+            }
+            None => {
+                let wanted = direction * speed * gait::uphill(ground.normal(self.feet.x, self.feet.z), direction);
+                wanted + (self.velocity - wanted) * (-VELOCITY_RATE * seconds).exp()
+            }
+        };
+
+        let before = self.feet;
+        let path = self.velocity * seconds;
         let around = Surroundings::of(ground, self.feet.xz(), path.length() + PIECE);
         let pieces = (path.length() / PIECE).ceil().max(1.0);
         for _ in 0..pieces as u32 {
             self.feet = around.slide(self.feet, path / pieces);
         }
+        let way = (self.feet - before).xz();
+        if way.length() < 0.5 * path.length() {
+            // Stopped: a wall takes the speed, so that turning away from it is not held up.
+            self.velocity = way / seconds.max(1e-6);
+        }
+        self.gait
+            .walked(if self.fall_speed > 0.0 { 0.0 } else { way.length() }, seconds);
 
         let support = around.support(self.feet);
         let drop = self.feet.y - support;
@@ -251,12 +300,22 @@ mod tests {
     fn walking_forward_goes_where_the_view_goes_at_walking_speed() {
         let ground = flat(vec![]);
         let mut walker = at(0.0, 0.0, 0.0);
-        walk(&mut walker, &forward(), &ground, 2.0);
+        walk(&mut walker, &forward(), &ground, 1.0);
+        let before = walker.feet;
         assert!(
-            walker.feet.abs_diff_eq(Vec3::new(0.0, 0.0, -2.0 * WALK_SPEED), 1e-3),
+            (-WALK_SPEED..-0.85 * WALK_SPEED).contains(&before.z),
+            "soon at full speed: {before}"
+        );
+        walk(&mut walker, &forward(), &ground, 1.0);
+        assert!(
+            walker.feet.abs_diff_eq(before - Vec3::Z * WALK_SPEED, 1e-3),
             "{}",
             walker.feet
         );
+        walk(&mut walker, &Intent::default(), &ground, 2.0);
+        let braked = before.z - WALK_SPEED - walker.feet.z;
+        assert!((0.1..0.5).contains(&braked), "stands after {braked} m");
+        let start = walker.feet;
         walker.yaw = FRAC_PI_2;
         walk(
             &mut walker,
@@ -268,7 +327,7 @@ mod tests {
             1.0,
         );
         assert!(
-            (walker.feet.x + RUN_SPEED).abs() < 1e-3,
+            (-RUN_SPEED..-0.85 * RUN_SPEED).contains(&(walker.feet.x - start.x)),
             "to the left of before: {}",
             walker.feet
         );
@@ -276,6 +335,7 @@ mod tests {
             movement: Vec3::new(1.0, 0.0, 1.0),
             ..default()
         };
+        walk(&mut walker, &diagonal, &ground, 2.0);
         let before = walker.feet;
         walk(&mut walker, &diagonal, &ground, 1.0);
         assert!(
@@ -409,6 +469,105 @@ mod tests {
         walk(&mut walker, &Intent::default(), &ground, 0.1);
         let around = Surroundings::of(&ground, walker.feet.xz(), 1.0);
         assert!(around.depth(walker.feet) <= TOUCH, "{}", walker.feet);
+    }
+
+    /// A slope that falls towards +z, cut out of noise-free hills by their rim: level in the middle, steep at the edge.
+    fn slope(rim_height: f32) -> Ground {
+        let shape = TerrainShape {
+            size: Vec2::splat(60.0),
+            hills: Some(Hills {
+                amplitude: 0.0,
+                wavelength: 50.0,
+                octaves: 1,
+                rim_height,
+                rim_width: 20.0,
+            }),
+            clearings: vec![],
+            tracks: vec![],
+        };
+        Ground::new(
+            Surface::Hills(Box::new(Terrain::new(&shape, 1))),
+            Vec::new(),
+            Vec::new(),
+        )
+    }
+
+    #[test]
+    fn steep_ground_is_not_climbed_and_lets_slide_down() {
+        let (gentle, steep) = (slope(6.0), slope(60.0));
+        let climb = |ground: &Ground| {
+            let mut walker = at(0.0, 0.0, -5.0).settled(ground);
+            walk(&mut walker, &forward(), ground, 20.0);
+            walker.feet
+        };
+        let (up, stopped) = (climb(&gentle), climb(&steep));
+        assert!(up.z < -28.0, "to the edge: {up}");
+        assert!(stopped.z > -25.0 && stopped.y < 30.0, "stopped on the way: {stopped}");
+
+        let steepest = |ground: &Ground| {
+            (0..200)
+                .map(|i| -10.0 - 0.09 * i as f32)
+                .min_by(|a, b| ground.normal(0.0, *a).y.total_cmp(&ground.normal(0.0, *b).y))
+                .expect("heights")
+        };
+        let z = steepest(&steep);
+        assert!(steep.normal(0.0, z).y < MIN_NORMAL_Y, "the test's slope is steep");
+        let mut walker = at(0.0, 0.0, z).settled(&steep);
+        let top = walker.feet.y;
+        walk(&mut walker, &Intent::default(), &steep, 4.0);
+        assert!(walker.feet.y < top - 3.0, "slid from {top} to {}", walker.feet);
+        assert!(
+            steep.normal(0.0, walker.feet.z).y > MIN_NORMAL_Y,
+            "until it is level enough"
+        );
+        let z = steepest(&gentle);
+        let mut stands = at(0.0, 0.0, z).settled(&gentle);
+        let before = stands.feet;
+        walk(&mut stands, &Intent::default(), &gentle, 2.0);
+        assert_eq!(stands.feet, before, "gentle slopes hold");
+    }
+
+    #[test]
+    fn the_view_sways_with_the_strides_unless_switched_off() {
+        let ground = flat(vec![]);
+        for (head_bob, least, most) in [(true, 0.01, 0.05), (false, 0.0, 0.0)] {
+            let mut walker = at(0.0, 0.0, 0.0);
+            walker.head_bob = head_bob;
+            let mut highest = 0.0f32;
+            for _ in 0..120 {
+                walker.step(&forward(), &ground, FRAME);
+                highest = highest.max((walker.camera().translation.y - EYE_HEIGHT).abs());
+            }
+            assert!((least..=most).contains(&highest), "{head_bob}: {highest}");
+        }
+    }
+
+    #[test]
+    fn twenty_frames_a_second_pass_no_wall() {
+        let ground = flat(vec![wall(0.0, -6.0, Vec2::new(50.0, 0.02), 0.0, 3.0)]);
+        let mut walker = at(0.0, 0.0, 0.0);
+        let run = Intent {
+            faster: true,
+            ..forward()
+        };
+        for _ in 0..60 {
+            walker.step(&run, &ground, 0.05);
+        }
+        assert!((walker.feet.z + 6.0 - 0.02 - RADIUS).abs() < 0.01, "{}", walker.feet);
+    }
+
+    #[test]
+    fn the_worlds_edge_holds_on_a_plane() {
+        let ground = flat(vec![]).within(Vec2::new(20.0, 30.0));
+        let mut walker = at(0.0, 0.0, 0.0);
+        walker.yaw = 0.3;
+        walk(&mut walker, &forward(), &ground, 30.0);
+        assert!((walker.feet.z + 15.0 - EDGE).abs() < 1e-3, "{}", walker.feet);
+        assert!(
+            (walker.feet.x + 10.0 - EDGE).abs() < 1e-3,
+            "slides along it: {}",
+            walker.feet
+        );
     }
 
     #[test]

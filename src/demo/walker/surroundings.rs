@@ -16,8 +16,8 @@ pub(super) struct Surroundings<'a> {
 impl<'a> Surroundings<'a> {
     pub(super) fn of(ground: &'a Ground, at: Vec2, reach: f32) -> Self {
         let limit = ground
-            .terrain()
-            .map_or(Vec2::splat(WORLD_LIMIT), |terrain| 0.5 * terrain.size() - EDGE);
+            .extent()
+            .map_or(Vec2::splat(WORLD_LIMIT), |extent| 0.5 * extent - EDGE);
         Self {
             ground,
             limit: limit.max(Vec2::ZERO),

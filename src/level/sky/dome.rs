@@ -20,7 +20,7 @@ const GROUND_ALBEDO: DVec3 = DVec3::new(0.16, 0.15, 0.10);
 /// Share of the ground in sight that the sun reaches.
 const SUNLIT_GROUND: f64 = 0.5;
 /// Half of the angle under which the drawn sun is seen, in radians: wider than the true one, which a texel could not hold.
-const DISC: [f64; 2] = [0.008, 0.02];
+const DISC: [f64; 2] = [0.010, 0.030];
 /// Columns (azimuth from the sun) and rows (elevation) of the table.
 const COLUMNS: usize = 9;
 const ROWS: usize = 40;
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn colours_are_encoded_as_srgb() {
-        assert_eq!(srgb_bytes(DVec3::new(0.0, 0.214_041, 1.0)), [0, 128, 255, 255]);
+        assert_eq!(srgb_bytes(DVec3::new(0.0, 0.215_861, 1.0)), [0, 128, 255, 255]);
         assert_eq!(srgb_bytes(DVec3::new(-1.0, 0.002, 7.0)), [0, 7, 255, 255]);
     }
 }

@@ -13,10 +13,10 @@ const METER: f64 = 12.5;
 /// Exposure value for a high sun, where the curve is fixed: the "sunny 16" rule.
 const SUNLIGHT_EV100: f64 = 15.0;
 /// Share of a change of light that the camera follows: a low sun is darker than noon, as the eye remembers it.
-const ADAPTATION: f64 = 0.85;
+const ADAPTATION: f64 = 0.92;
 /// Steps by which pictures are brighter than the meter says: the tone curve darkens the middle, and shadows shall be
 /// readable.
-const COMPENSATION: f64 = 1.1;
+const COMPENSATION: f64 = 1.8;
 /// The camera opens no wider than this, in a night that shall look like one.
 const DARKEST_EV100: f64 = 7.0;
 
