@@ -15,6 +15,7 @@
 //! | fern, grass | strips with painted fronds and blades | [`ground::herbs`] |
 //! | rock | icospheres cut by planes | [`ground::rock`] |
 //! | deadwood | a stump, a log | [`ground::deadwood`] |
+//! | facades | a kit of bays in six styles, with one picture | [`city::facade`] |
 //!
 //! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
 //! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
@@ -27,6 +28,7 @@
 //! ```
 
 pub mod bake;
+pub mod city;
 pub mod glb;
 pub mod ground;
 pub mod mesh;
@@ -116,6 +118,7 @@ const ASSETS: &[Recipe] = &[
         about: "a stump and a fallen log",
         make: deadwood::forge,
     },
+    city::facade::RECIPE,
 ];
 
 /// All assets.
