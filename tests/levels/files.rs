@@ -251,7 +251,10 @@ fn wrong_values_are_named() {
         ),
         ("sun.latitude_deg", Box::new(|l| l.sun.latitude_deg = 91.0)),
         ("sun.day", Box::new(|l| l.sun.day = 0)),
-        ("sun.air.aerosol_depth", Box::new(move |l| l.sun.air.aerosol_depth = nan)),
+        (
+            "sun.air.aerosol_depth",
+            Box::new(move |l| l.sun.air.aerosol_depth = nan),
+        ),
         ("sun.air.visibility", Box::new(|l| l.sun.air.visibility = 0.0)),
         ("sun.air.sky_share", Box::new(|l| l.sun.air.sky_share = 2.0)),
         ("views[1].hour", Box::new(|l| l.views[1].hour = Some(-1.0))),

@@ -317,14 +317,18 @@ mod tests {
         for (altitude, mu) in [(0.0, 0.5), (0.5, 0.12), (3.0, 0.03), (20.0, 0.9)] {
             let r = GROUND_RADIUS + altitude;
             let (table, exact) = (air.transmittance(r, mu), air.integrate_transmittance(r, mu));
-            assert!(table.abs_diff_eq(exact, 0.02), "{altitude} km, {mu}: {table} for {exact}");
+            assert!(
+                table.abs_diff_eq(exact, 0.02),
+                "{altitude} km, {mu}: {table} for {exact}"
+            );
         }
     }
 
     #[test]
     fn the_lower_the_sun_the_weaker_and_the_redder() {
         let air = clear();
-        let through = [90.0f64, 30.0, 10.0, 3.0].map(|degrees| air.transmittance(GROUND_RADIUS, degrees.to_radians().sin()));
+        let through =
+            [90.0f64, 30.0, 10.0, 3.0].map(|degrees| air.transmittance(GROUND_RADIUS, degrees.to_radians().sin()));
         for pair in through.windows(2) {
             assert!(pair[1].dot(LUMA) < pair[0].dot(LUMA), "{pair:?}");
             assert!(pair[1].x / pair[1].z > pair[0].x / pair[0].z, "{pair:?}");
@@ -354,7 +358,10 @@ mod tests {
         };
         let (zenith, horizon) = (seen(DVec3::Y), seen(DVec3::new(-1.0, 0.02, 0.3)));
         assert!(zenith.z > 1.8 * zenith.x, "blue: {zenith}");
-        assert!(horizon.z / horizon.x < 0.8 * zenith.z / zenith.x, "paler: {horizon}, {zenith}");
+        assert!(
+            horizon.z / horizon.x < 0.8 * zenith.z / zenith.x,
+            "paler: {horizon}, {zenith}"
+        );
         assert!(horizon.dot(LUMA) > zenith.dot(LUMA), "brighter: {horizon}, {zenith}");
         // Clear skies measure 2,000 to 6,000 candela per square metre overhead under 128,000 lux outside the air.
         let luminance = 128_000.0 * zenith.dot(LUMA);
@@ -369,7 +376,12 @@ mod tests {
             let light = air.inscattering(0.0, DVec3::new(0.5, 0.5, 0.0).normalize(), DVec3::new(cos, sin, 0.0));
             (light.rayleigh + light.mie + light.multiple).dot(LUMA)
         };
-        assert!(glow(-3.0) > 1e-4 && glow(-3.0) < glow(3.0), "{} {}", glow(-3.0), glow(3.0));
+        assert!(
+            glow(-3.0) > 1e-4 && glow(-3.0) < glow(3.0),
+            "{} {}",
+            glow(-3.0),
+            glow(3.0)
+        );
         assert!(glow(-20.0) < 1e-6, "{}", glow(-20.0));
     }
 }

@@ -97,7 +97,11 @@ mod tests {
     /// The tilt of the earth's axis is 23.44 degrees.
     #[test]
     fn declination_is_that_of_solstices_and_equinox() {
-        for (day, degrees) in [(JUNE_SOLSTICE, 23.44), (DECEMBER_SOLSTICE, -23.44), (MARCH_EQUINOX, 0.0)] {
+        for (day, degrees) in [
+            (JUNE_SOLSTICE, 23.44),
+            (DECEMBER_SOLSTICE, -23.44),
+            (MARCH_EQUINOX, 0.0),
+        ] {
             let found = course(0.0, day).declination().to_degrees();
             assert!((found - degrees).abs() < 0.5, "day {day}: {found}");
         }
@@ -106,14 +110,24 @@ mod tests {
     /// At noon the sun stands 90 − latitude + declination degrees high, in the south.
     #[test]
     fn noon_is_as_high_as_latitude_and_declination_say() {
-        for (day, degrees) in [(JUNE_SOLSTICE, 65.44), (DECEMBER_SOLSTICE, 18.56), (MARCH_EQUINOX, 42.0)] {
+        for (day, degrees) in [
+            (JUNE_SOLSTICE, 65.44),
+            (DECEMBER_SOLSTICE, 18.56),
+            (MARCH_EQUINOX, 42.0),
+        ] {
             let noon = course(48.0, day).light_dir(12.0);
             assert!((elevation_deg(noon) - degrees).abs() < 0.5, "day {day}: {noon}");
-            assert!(noon.z < 0.0 && noon.x.abs() < 1e-5, "from the south to the north: {noon}");
+            assert!(
+                noon.z < 0.0 && noon.x.abs() < 1e-5,
+                "from the south to the north: {noon}"
+            );
             assert!(noon.is_normalized(), "{noon}");
         }
         let south = course(-33.9, DECEMBER_SOLSTICE).light_dir(12.0);
-        assert!(south.z > 0.0 && (elevation_deg(south) - 79.54).abs() < 0.5, "Cape Town: {south}");
+        assert!(
+            south.z > 0.0 && (elevation_deg(south) - 79.54).abs() < 0.5,
+            "Cape Town: {south}"
+        );
     }
 
     /// On the equinox the day has twelve hours everywhere, and the sun rises due east.
@@ -121,7 +135,10 @@ mod tests {
     fn the_equinox_has_twelve_hours_and_rises_in_the_east() {
         for latitude in [-60.0, 0.0, 48.0] {
             let (rise, set) = course(latitude, MARCH_EQUINOX).hours_above(0.0).expect("a day");
-            assert!((rise - 6.0).abs() < 0.06 && (set - 18.0).abs() < 0.06, "{latitude}: {rise} {set}");
+            assert!(
+                (rise - 6.0).abs() < 0.06 && (set - 18.0).abs() < 0.06,
+                "{latitude}: {rise} {set}"
+            );
             let light_dir = course(latitude, MARCH_EQUINOX).light_dir(rise);
             assert!(light_dir.abs_diff_eq(Vec3::NEG_X, 0.02), "{latitude}: {light_dir}");
         }
@@ -136,7 +153,10 @@ mod tests {
         assert!((rise - 4.08).abs() < 0.03 && (set - 19.92).abs() < 0.03, "{rise} {set}");
         let to_sun = -course.light_dir(rise);
         let azimuth = to_sun.x.atan2(-to_sun.z).to_degrees();
-        assert!((azimuth - 53.5).abs() < 0.5 && to_sun.y.abs() < 1e-3, "{azimuth}, {to_sun}");
+        assert!(
+            (azimuth - 53.5).abs() < 0.5 && to_sun.y.abs() < 1e-3,
+            "{azimuth}, {to_sun}"
+        );
     }
 
     #[test]

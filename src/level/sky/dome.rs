@@ -49,7 +49,11 @@ impl Dome {
             .map(|i| {
                 let elevation = FRAC_PI_2 * ((i / COLUMNS) as f64 / (ROWS - 1) as f64).powi(2);
                 let azimuth = PI * (i % COLUMNS) as f64 / (COLUMNS - 1) as f64;
-                let view = DVec3::new(azimuth.cos() * elevation.cos(), elevation.sin(), azimuth.sin() * elevation.cos());
+                let view = DVec3::new(
+                    azimuth.cos() * elevation.cos(),
+                    elevation.sin(),
+                    azimuth.sin() * elevation.cos(),
+                );
                 atmosphere.inscattering(EYE, view, DVec3::new(cos, sin, 0.0))
             })
             .collect();
@@ -78,7 +82,9 @@ impl Dome {
         let across = |direction: DVec3| DVec3::new(direction.x, 0.0, direction.z).normalize_or_zero();
         let azimuth = across(view).dot(across(self.to_sun)).clamp(-1.0, 1.0).acos();
         let light = self.inscattering(elevation, azimuth);
-        let cos = DVec3::new(view.x, view.y.max(0.0), view.z).normalize_or(DVec3::Y).dot(self.to_sun);
+        let cos = DVec3::new(view.x, view.y.max(0.0), view.z)
+            .normalize_or(DVec3::Y)
+            .dot(self.to_sun);
         SUN_LUX * (light.rayleigh * rayleigh_phase(cos) + light.mie * mie_phase(cos) + light.multiple)
     }
 
@@ -208,9 +214,15 @@ mod tests {
         });
         assert!(brightest.expect("texels").dot(dome.to_sun) > 0.99, "{brightest:?}");
         assert!(dome.seen(dome.to_sun, exposure).min_element() > 0.9, "the disc");
-        let around = |azimuth: f64| dome.sky(DVec3::new(azimuth.sin() * 0.9, 0.43589, -azimuth.cos() * 0.9)).dot(LUMA);
+        let around = |azimuth: f64| {
+            dome.sky(DVec3::new(azimuth.sin() * 0.9, 0.43589, -azimuth.cos() * 0.9))
+                .dot(LUMA)
+        };
         for degrees in 0..360 {
-            let (a, b) = (around(f64::from(degrees).to_radians()), around(f64::from(degrees + 1).to_radians()));
+            let (a, b) = (
+                around(f64::from(degrees).to_radians()),
+                around(f64::from(degrees + 1).to_radians()),
+            );
             assert!((a - b).abs() < 0.12 * a, "{degrees}: {a} {b}");
         }
     }
@@ -220,7 +232,11 @@ mod tests {
         let dome = dome(50.0);
         let lights = dome.lights();
         let up = dome.received(&lights, DVec3::Y);
-        assert!((up * PI).abs_diff_eq(dome.sky_lux, 0.03 * dome.sky_lux.y), "{up}, {}", dome.sky_lux);
+        assert!(
+            (up * PI).abs_diff_eq(dome.sky_lux, 0.03 * dome.sky_lux.y),
+            "{up}, {}",
+            dome.sky_lux
+        );
         assert!(up.z > up.x, "blue from above: {up}");
         let down = dome.received(&lights, DVec3::NEG_Y);
         assert!(down.x > down.z, "brown from below: {down}");

@@ -139,7 +139,8 @@ fn follow_sun(
         let light = sky.light.clone();
         [sky.picture.clone(), light.diffuse_map, light.specular_map]
     });
-    let handles = handles.unwrap_or_else(|| [PICTURE_SIDE, DIFFUSE_SIDE, SPECULAR_SIDE].map(|side| images.add(cube(side))));
+    let handles =
+        handles.unwrap_or_else(|| [PICTURE_SIDE, DIFFUSE_SIDE, SPECULAR_SIDE].map(|side| images.add(cube(side))));
     commands.insert_resource(make_sky(&dome, light_dir, *air, handles, &mut images));
 }
 
@@ -150,7 +151,9 @@ fn make_sky(dome: &Dome, light_dir: Vec3, air: Air, handles: [Handle<Image>; 3],
     };
     let scale = f64::from(exposure.exposure());
     let lights = dome.lights();
-    let brightest = lights.iter().fold(1e-3, |most, (_, light)| light.max_element().max(most));
+    let brightest = lights
+        .iter()
+        .fold(1e-3, |most, (_, light)| light.max_element().max(most));
     let [picture, diffuse_map, specular_map] = handles;
     let mut draw = |handle: &Handle<Image>, side: u32, value: &dyn Fn(DVec3) -> DVec3| {
         if let Some(mut image) = images.get_mut(handle) {
@@ -166,8 +169,12 @@ fn make_sky(dome: &Dome, light_dir: Vec3, air: Air, handles: [Handle<Image>; 3],
         }
     };
     draw(&picture, PICTURE_SIDE, &|view| dome.seen(view, scale));
-    draw(&diffuse_map, DIFFUSE_SIDE, &|normal| dome.received(&lights, normal) / brightest);
-    draw(&specular_map, SPECULAR_SIDE, &|view| dome.surroundings(view) / brightest);
+    draw(&diffuse_map, DIFFUSE_SIDE, &|normal| {
+        dome.received(&lights, normal) / brightest
+    });
+    draw(&specular_map, SPECULAR_SIDE, &|view| {
+        dome.surroundings(view) / brightest
+    });
     let haze = -LAST_CONTRAST.ln() / air.visibility * HAZE_TINT;
     Sky {
         light_dir,
@@ -293,7 +300,10 @@ mod tests {
     fn smaller_levels_are_means_and_lie_behind_each_face() {
         let level: Vec<DVec3> = (0..24).map(|i| DVec3::splat(f64::from(i))).collect();
         let half = halved(&level, 2);
-        assert_eq!(half.iter().map(|color| color.x).collect::<Vec<_>>(), [1.5, 5.5, 9.5, 13.5, 17.5, 21.5]);
+        assert_eq!(
+            half.iter().map(|color| color.x).collect::<Vec<_>>(),
+            [1.5, 5.5, 9.5, 13.5, 17.5, 21.5]
+        );
         let levels = [(0..12).collect::<Vec<u8>>(), (100..106).collect()];
         assert_eq!(by_face(&levels)[..6], [0, 1, 100, 2, 3, 101]);
         assert_eq!(cube(SPECULAR_SIDE).texture_descriptor.mip_level_count, 6);
@@ -334,7 +344,10 @@ mod tests {
 
         let image = app.world().resource::<Sky>().picture.clone();
         let images = app.world().resource::<Assets<Image>>();
-        let data = images.get(&image).and_then(|image| image.data.as_ref()).expect("a picture");
+        let data = images
+            .get(&image)
+            .and_then(|image| image.data.as_ref())
+            .expect("a picture");
         assert_eq!(data.len(), (6 * 4 * PICTURE_SIDE * PICTURE_SIDE) as usize);
         assert_eq!(app.world().resource::<GlobalAmbientLight>().brightness, 0.0);
     }
@@ -347,7 +360,11 @@ mod tests {
             spawn_sun(&mut app.world_mut().commands(), &SunSettings::default());
             let (lux, _) = lit(&mut app, SunSettings::default().light_dir());
             assert!(lux > 60_000.0, "{lux}");
-            let sun = app.world_mut().query_filtered::<Entity, With<Sun>>().single(app.world()).expect("one sun");
+            let sun = app
+                .world_mut()
+                .query_filtered::<Entity, With<Sun>>()
+                .single(app.world())
+                .expect("one sun");
             app.world_mut().despawn(sun);
         }
     }
