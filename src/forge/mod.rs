@@ -18,6 +18,7 @@
 //! | street, cars, tower, fountain | furniture, vehicles, a lattice tower, a fountain | [`street`] |
 //! | surfaces | tiles of ground: litter, earth, rock, grass, asphalt, stone | [`surface`] |
 //! | deer, walker | skinned figures with clips | soft objects, marching tetrahedra, edge collapse ([`figure`]) |
+//! | facades | a kit of bays in six styles, with one picture | [`city::facade`] |
 //!
 //! Leaves are alpha-masked cards; PNG holds no mips, so loaders make them with
 //! [`texture::mips::coverage_preserving_mips`], else crowns thin out with distance.
@@ -30,6 +31,7 @@
 //! ```
 
 pub mod bake;
+pub mod city;
 pub mod figure;
 pub mod glb;
 pub mod ground;
@@ -130,6 +132,7 @@ const ASSETS: &[Recipe] = &[
     street::RECIPES[3],
     figure::RECIPES[0],
     figure::RECIPES[1],
+    city::facade::RECIPE,
 ];
 
 /// All assets.

@@ -1,24 +1,39 @@
-//! Meshes of buildings: a dark glazed core, floor bands and piers that stand out of it in relief, a parapet or a
-//! gabled roof, and on some balconies and roof railings of thin bars.
+//! Buildings of the city: which parts of the façade kit a building consists of, how they are stretched and painted.
+//!
+//! Buildings of equal style and bays share the meshes of their storeys and roofs ([`facade::assemble`]); the plan is
+//! met by stretching them by some percent, and paint is the tint of the placement. So a few hundred meshes make all
+//! buildings, and Bevy draws them in batches.
 
-use bevy_math::Vec3;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
+
+use bevy_math::{Vec2, Vec3};
 
 use super::{
-    meshes::{MeshData, Rgb},
-    props::push_railing,
+    meshes::MeshData,
+    model::{AssetRef, Tint},
+};
+use crate::forge::{
+    city::facade::{
+        self,
+        assemble::{self, Shared},
+        bays::Detail,
+    },
+    mesh::Mesh,
 };
 
-/// Height of a floor in metres.
-pub const FLOOR: f32 = 3.2;
-/// How far buildings reach below their foot.
-const BASE: f32 = 0.1;
+pub use facade::Style;
 
-/// A building; equal values build equal meshes.
+/// How far walls stand back from the border of the plan, in metres: sills and cornices reach over them.
+const SETBACK: f32 = 0.2;
+/// Camera distances in metres up to which near and middle detail is drawn: there a reveal of 0.2 m and a rail of
+/// 0.07 m are about as wide as three pixels and half a pixel of a picture of 720 rows.
+const NEAR: f32 = 45.0;
+const MIDDLE: f32 = 130.0;
+
+/// A building; equal values look alike but for their paint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Building {
-    /// Extent along x in decimetres.
+    /// Extent along x in decimetres: the front, which looks along +z.
     pub width_dm: u16,
     /// Extent along z in decimetres.
     pub depth_dm: u16,
@@ -26,38 +41,11 @@ pub struct Building {
     pub floors: u16,
     /// How it looks.
     pub style: Style,
-    /// Index into [`PAINTS`], modulo its length.
-    pub paint: u8,
+    /// No windows on the sides at +x and at −x: there a neighbour stands.
+    pub blind: (bool, bool),
     /// Seed of details.
     pub detail: u16,
 }
-
-/// How a façade is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Style {
-    /// Bands and piers: rows of windows.
-    Grid,
-    /// Bands only: strips of glass.
-    Strips,
-    /// Piers only: upright lines.
-    Piers,
-    /// Bands, piers and balconies with railings.
-    Balconies,
-    /// A gabled roof over rows of windows.
-    House,
-}
-
-/// Wall colours.
-pub const PAINTS: [Rgb; 8] = [
-    [0.46, 0.42, 0.35],
-    [0.33, 0.16, 0.11],
-    [0.42, 0.41, 0.40],
-    [0.52, 0.46, 0.33],
-    [0.25, 0.27, 0.29],
-    [0.50, 0.34, 0.22],
-    [0.36, 0.42, 0.40],
-    [0.58, 0.56, 0.52],
-];
 
 impl Building {
     /// Extent along x and z in metres.
@@ -67,257 +55,192 @@ impl Building {
 
     /// Height of the walls in metres; parapets and roofs come on top.
     pub fn wall_height(&self) -> f32 {
-        f32::from(self.floors) * FLOOR + 0.8
+        assemble::Building::wall_height(u32::from(self.floors))
     }
-}
 
-/// Builds the mesh; the foot is the middle of the plan.
-pub fn build(building: &Building) -> MeshData {
-    let mut mesh = MeshData::default();
-    let mut rng = ChaCha8Rng::seed_from_u64(u64::from(building.detail));
-    let wall = PAINTS[usize::from(building.paint) % PAINTS.len()];
-    let (width, depth) = building.plan();
-    let height = building.wall_height();
-    // The outline of the plan is that of the piers; the core stands back.
-    let relief = 0.35;
-    let core = Vec3::new(width - 2.0 * relief, height + BASE, depth - 2.0 * relief);
-    mesh.push_box(Vec3::Y * (0.5 * (height - BASE)), core, [0.045, 0.06, 0.075]);
-    if !matches!(building.style, Style::Piers) {
-        bands(&mut mesh, building, wall);
-    }
-    if !matches!(building.style, Style::Strips) {
-        piers(&mut mesh, building, wall.map(|c| c * 0.93));
-    }
-    if matches!(building.style, Style::House) {
-        let tiles = [[0.25, 0.09, 0.05], [0.12, 0.11, 0.11], [0.20, 0.12, 0.08]][rng.random_range(0..3)];
-        house_roof(&mut mesh, building, tiles, wall);
-    } else {
-        parapet(&mut mesh, building, wall);
-        roof_things(&mut mesh, building, &mut rng);
-    }
-    if matches!(building.style, Style::Balconies) {
-        balconies(&mut mesh, building);
-    }
-    mesh
-}
-
-/// One box per floor, from sill to lintel of the floor below, and the ground floor's plinth.
-fn bands(mesh: &mut MeshData, building: &Building, wall: Rgb) {
-    let (width, depth) = building.plan();
-    let out = 0.15;
-    let plan = |height: f32| Vec3::new(width - 2.0 * out, height, depth - 2.0 * out);
-    mesh.push_box(Vec3::Y * 0.35, plan(0.9), wall.map(|c| c * 0.7));
-    let glass = if matches!(building.style, Style::House | Style::Balconies) {
-        1.5
-    } else {
-        1.9
-    };
-    for floor in 1..=building.floors {
-        let top_of_glass = 0.8 + f32::from(floor - 1) * FLOOR + glass;
-        let band = FLOOR - glass;
-        mesh.push_box(Vec3::Y * (top_of_glass + 0.5 * band), plan(band - 0.02), wall);
-    }
-}
-
-/// Upright bars around the façade, corners included.
-fn piers(mesh: &mut MeshData, building: &Building, wall: Rgb) {
-    let (width, depth) = building.plan();
-    let (wide, spacing): (f32, f32) = match building.style {
-        Style::Piers => (0.35, 1.6),
-        Style::House => (1.5, 3.0),
-        _ => (0.8, 2.9),
-    };
-    let height = building.wall_height() + 0.02;
-    let thick = 0.5;
-    // Corner posts, then whole bays between them along each side.
-    let corner = wide.max(thick);
-    for (x, z) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
-        let middle = Vec3::new(
-            x * 0.5 * (width - corner),
-            0.5 * (height - BASE),
-            z * 0.5 * (depth - corner),
-        );
-        mesh.push_box(middle, Vec3::new(corner, height + BASE, corner), wall);
-    }
-    for (along, across, axis) in [(width, depth, Vec3::X), (depth, width, Vec3::Z)] {
-        let bays = ((along - corner) / spacing).round().max(1.0);
-        let other = Vec3::new(axis.z, 0.0, axis.x);
-        for i in 1..bays as u32 {
-            let at = (i as f32 / bays - 0.5) * (along - corner);
-            for side in [-1.0, 1.0] {
-                let middle = axis * at
-                    + other * (side * 0.5 * (across - thick - 0.06))
-                    + Vec3::Y * (0.5 * (height - BASE) - 0.02);
-                let size = axis * wide + other * thick + Vec3::Y * (height + BASE - 0.04);
-                mesh.push_box(middle, size, wall);
-            }
+    /// The file of its material.
+    pub fn asset() -> AssetRef {
+        AssetRef {
+            file: facade::FILE,
+            variant: 0,
         }
     }
-}
 
-/// Four low walls around a flat roof.
-fn parapet(mesh: &mut MeshData, building: &Building, wall: Rgb) {
-    let (width, depth) = building.plan();
-    let (low, high, thick) = (building.wall_height() - 0.3, building.wall_height() + 0.9, 0.4);
-    let (y, size_y) = (0.5 * (low + high), high - low);
-    let (out_x, out_z) = (0.5 * (width + 0.1), 0.5 * (depth + 0.1));
-    for side in [-1.0, 1.0] {
-        let middle = Vec3::new(0.0, y, side * (out_z - 0.5 * thick));
-        mesh.push_box(middle, Vec3::new(2.0 * out_x, size_y, thick), wall);
-        // Butted against the long ones: they reach a little into them and are a little lower.
-        let middle = Vec3::new(side * (out_x - 0.5 * thick - 0.01), y - 0.01, 0.0);
-        mesh.push_box(
-            middle,
-            Vec3::new(thick, size_y - 0.04, 2.0 * (out_z - thick) + 0.2),
-            wall,
-        );
+    /// Its parts, where each stands above the foot and how it is scaled.
+    pub fn parts(&self) -> Vec<(Shared, Vec3, Vec3)> {
+        let (width, depth) = self.plan();
+        let walls = Vec2::new(width, depth) - 2.0 * SETBACK;
+        let built = assemble::Building {
+            style: self.style,
+            bays: assemble::Building::bays_for(self.style, walls),
+            storeys: u32::from(self.floors),
+            blind: self.blind,
+            look: u32::from(self.detail),
+        };
+        let stretch = built.stretch(walls);
+        built
+            .parts()
+            .into_iter()
+            .map(|(shared, height)| (shared, Vec3::Y * height, Vec3::new(stretch.x, 1.0, stretch.y)))
+            .collect()
+    }
+
+    /// One of the paints that its style comes in.
+    pub fn tint(&self, paint: u8) -> Tint {
+        let paints = paints(self.style);
+        Tint(paints[usize::from(paint) % paints.len()])
     }
 }
 
-/// Lift houses, machines, railings and masts.
-fn roof_things(mesh: &mut MeshData, building: &Building, rng: &mut ChaCha8Rng) {
-    let (width, depth) = building.plan();
-    let roof = building.wall_height();
-    let grey = [0.3, 0.3, 0.31];
-    let mut place = |reach: f32| {
-        let (x, z) = (0.5 * width - 1.2 - reach, 0.5 * depth - 1.2 - reach);
-        Vec3::new(
-            rng.random_range(-1.0..1.0) * x.max(0.0),
-            roof,
-            rng.random_range(-1.0..1.0) * z.max(0.0),
-        )
-    };
-    let lift = place(2.0);
-    mesh.push_box(lift + Vec3::Y * 1.3, Vec3::new(3.6, 3.0, 3.2), [0.36, 0.35, 0.33]);
-    for size in [1.4, 1.1, 1.7] {
-        let at = place(0.5 * size);
-        if (at - lift).abs().max_element() > 3.2 {
-            mesh.push_box(at + Vec3::Y * 0.5, Vec3::new(size, 1.3, size), grey);
+/// What walls of a style are painted or burnt in; sRGB.
+fn paints(style: Style) -> &'static [[u8; 3]] {
+    match style {
+        Style::Stucco => &[
+            [240, 226, 196],
+            [228, 196, 146],
+            [230, 194, 176],
+            [220, 214, 202],
+            [242, 226, 172],
+            [206, 212, 190],
+            [246, 240, 230],
+            [220, 172, 138],
+        ],
+        Style::Brick => &[[255, 250, 245], [240, 214, 200], [255, 236, 205], [206, 192, 188]],
+        Style::Concrete => &[[236, 233, 228], [216, 218, 220], [230, 218, 200], [204, 214, 206]],
+        Style::Office | Style::Ribbon => &[[226, 229, 232], [188, 197, 206], [222, 210, 192], [244, 241, 236]],
+        Style::House => &[
+            [246, 240, 228],
+            [242, 224, 184],
+            [230, 206, 188],
+            [218, 224, 216],
+            [240, 196, 160],
+            [206, 214, 224],
+        ],
+    }
+}
+
+/// The meshes of a shared part from fine to coarse, with the camera distances in metres that they are meant for.
+/// Levels that would not differ are one.
+pub fn levels(shared: &Shared) -> Vec<(MeshData, Range<f32>)> {
+    let ends = [
+        (Detail::Near, NEAR),
+        (Detail::Middle, MIDDLE),
+        (Detail::Far, f32::INFINITY),
+    ];
+    let mut levels: Vec<(MeshData, Range<f32>)> = Vec::new();
+    let mut from = 0.0;
+    for (detail, to) in ends {
+        let mesh = data(&shared.build(detail));
+        match levels.last_mut() {
+            Some((finer, range)) if finer.indices.len() == mesh.indices.len() => range.end = to,
+            _ => levels.push((mesh, from..to)),
         }
+        from = to;
     }
-    if building.detail.is_multiple_of(3) {
-        let steel = [0.2, 0.2, 0.21];
-        let (x, z) = (0.5 * width - 0.8, 0.5 * depth - 0.8);
-        let corners = [(x, z), (-x, z), (-x, -z), (x, -z)].map(|(x, z)| Vec3::new(x, roof, z));
-        for k in 0..4 {
-            push_railing(mesh, corners[k], corners[(k + 1) % 4], 1.9, steel);
-        }
-    }
-    if building.floors > 14 {
-        mesh.push_round(
-            (lift + Vec3::Y * 2.0, 0.12),
-            (lift + Vec3::Y * 11.0, 0.03),
-            6,
-            (grey, grey),
-        );
-    }
+    levels
 }
 
-/// A gabled roof along the longer side, and a chimney.
-fn house_roof(mesh: &mut MeshData, building: &Building, tiles: Rgb, wall: Rgb) {
-    let (width, depth) = building.plan();
-    let (long, short) = (width.max(depth), width.min(depth));
-    let foot = building.wall_height() - 0.05;
-    let rise = 0.38 * short;
-    let mut roof = MeshData::default();
-    roof.push_gable(Vec3::Y * foot, Vec3::new(long + 0.8, rise, short + 1.0), tiles, wall);
-    let brick = [0.25, 0.1, 0.07];
-    roof.push_box(
-        Vec3::new(0.28 * long, foot + 0.8 * rise, 0.12 * short),
-        Vec3::new(0.7, rise + 1.0, 0.7),
-        brick,
-    );
-    let turn = if width >= depth {
-        0.0
-    } else {
-        std::f32::consts::FRAC_PI_2
-    };
-    mesh.append(&roof, bevy_math::Affine3A::from_rotation_y(turn));
-}
-
-/// Slabs with railings on the sides that look along z.
-fn balconies(mesh: &mut MeshData, building: &Building) {
-    let (width, depth) = building.plan();
-    let (wide, deep) = (3.2, 1.3);
-    let columns = ((width - 3.0) / 6.0).floor().max(1.0) as u32;
-    for side in [-1.0, 1.0] {
-        let face = side * (0.5 * depth - 0.3);
-        for column in 0..columns {
-            let x = ((column as f32 + 0.5) / columns as f32 - 0.5) * (width - 2.0);
-            for floor in 1..building.floors {
-                let y = 0.5 + f32::from(floor) * FLOOR;
-                let edge = face + side * (deep + 0.2);
-                let slab = Vec3::new(wide, 0.16, deep + 0.3);
-                mesh.push_box(
-                    Vec3::new(x, y, face + side * 0.5 * (deep + 0.3)),
-                    slab,
-                    [0.4, 0.39, 0.37],
-                );
-                let steel = [0.08, 0.085, 0.09];
-                let (left, right) = (x - 0.5 * wide + 0.06, x + 0.5 * wide - 0.06);
-                let (near, far) = (face + side * 0.35, edge);
-                let y = y + 0.08;
-                push_railing(mesh, Vec3::new(left, y, near), Vec3::new(left, y, far), 1.0, steel);
-                push_railing(mesh, Vec3::new(left, y, far), Vec3::new(right, y, far), 1.0, steel);
-                push_railing(mesh, Vec3::new(right, y, far), Vec3::new(right, y, near), 1.0, steel);
-            }
-        }
+/// A mesh of the forge with its shades as grey colours.
+fn data(mesh: &Mesh) -> MeshData {
+    let each = || mesh.vertices.iter();
+    MeshData {
+        positions: each().map(|vertex| vertex.position).collect(),
+        normals: each().map(|vertex| vertex.normal).collect(),
+        colors: each().map(|vertex| [vertex.shade; 3]).collect(),
+        uvs: each().map(|vertex| vertex.uv).collect(),
+        indices: mesh.indices.clone(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::level::meshes::tests::assert_solid;
+    use crate::level::meshes::tests::{assert_sane, assert_solid};
+
+    fn building(style: Style) -> Building {
+        Building {
+            width_dm: 164,
+            depth_dm: 121,
+            floors: 4,
+            style,
+            blind: (true, false),
+            detail: 3,
+        }
+    }
+
+    /// All parts of one detail in one mesh, in metres.
+    fn whole(building: &Building, level: usize) -> MeshData {
+        let mut whole = MeshData::default();
+        for (shared, offset, scale) in building.parts() {
+            let levels = levels(&shared);
+            let (mesh, _) = &levels[level.min(levels.len() - 1)];
+            let place = bevy_math::Affine3A::from_scale_rotation_translation(scale, bevy_math::Quat::IDENTITY, offset);
+            whole.append(mesh, place);
+        }
+        whole
+    }
 
     #[test]
     fn every_style_is_solid_and_has_its_size() {
-        for style in [Style::Grid, Style::Strips, Style::Piers, Style::Balconies, Style::House] {
-            for (width_dm, depth_dm, floors) in [(140, 120, 5), (200, 260, 18), (90, 101, 2)] {
-                let building = Building {
-                    width_dm,
-                    depth_dm,
-                    floors,
-                    style,
-                    paint: 3,
-                    detail: 9,
-                };
-                let mesh = build(&building);
-                let name = format!("{building:?}");
+        for style in Style::ALL {
+            for level in 0..3 {
+                let building = building(style);
+                let mesh = whole(&building, level);
+                let name = format!("{style:?} {level}");
                 assert_solid(&mesh, &name);
                 let (min, max) = mesh.bounds().unwrap();
                 assert!(min.y < 0.0 && max.y > building.wall_height(), "{name}: {min} {max}");
-                // Eaves and balconies reach over the plan, walls do not.
-                let over = (max.x - 0.5 * building.plan().0).max(max.z - 0.5 * building.plan().1);
-                assert!(over < 1.6, "{name}: {over}");
+                // Walls stand back; eaves, balconies and awnings reach over the plan.
+                let over = max.x - 8.2;
+                assert!((-0.21..0.5).contains(&over), "{name}: {over} along x");
+                let over = max.z - 6.05;
+                assert!((-0.21..1.4).contains(&over), "{name}: {over} along z");
+            }
+        }
+    }
+
+    #[test]
+    fn walls_are_as_high_as_their_floors() {
+        assert_eq!(building(Style::Brick).wall_height(), 4.0 + 3.0 * 3.2);
+        let heights: Vec<f32> = building(Style::Brick).parts().iter().map(|(_, at, _)| at.y).collect();
+        assert_eq!(heights, [0.0, 4.0, 7.2, 10.4, 13.6]);
+    }
+
+    #[test]
+    fn levels_follow_each_other_without_gaps() {
+        for style in Style::ALL {
+            for (shared, ..) in building(style).parts() {
+                let levels = levels(&shared);
+                assert_eq!(levels[0].1.start, 0.0);
+                assert_eq!(levels[levels.len() - 1].1.end, f32::INFINITY);
+                for pair in levels.windows(2) {
+                    assert_eq!(pair[0].1.end, pair[1].1.start);
+                    assert!(pair[1].0.indices.len() < pair[0].0.indices.len(), "{shared:?}");
+                }
+                for (mesh, _) in &levels {
+                    assert_sane(mesh, &format!("{shared:?}"));
+                }
             }
         }
     }
 
     #[test]
     fn no_two_faces_lie_on_each_other() {
-        for style in [Style::Grid, Style::Strips, Style::Piers, Style::Balconies, Style::House] {
-            let building = Building {
-                width_dm: 146,
-                depth_dm: 121,
-                floors: 4,
-                style,
-                paint: 1,
-                detail: 3,
-            };
-            let mesh = build(&building);
-            let pairs = overlapping_faces(&mesh);
-            assert!(
-                pairs.is_empty(),
-                "{style:?}: {} pairs, such as {:?}",
-                pairs.len(),
-                &pairs[..pairs.len().min(4)]
-            );
+        for style in Style::ALL {
+            for level in 0..3 {
+                let pairs = overlapping_faces(&whole(&building(style), level));
+                assert!(
+                    pairs.is_empty(),
+                    "{style:?} {level}: {} pairs, such as {:?}",
+                    pairs.len(),
+                    &pairs[..pairs.len().min(4)]
+                );
+            }
         }
     }
 
-    /// Pairs of axis-aligned, equally facing quadrilaterals in one plane whose rectangles overlap, but for undersides
-    /// below ground.
+    /// Pairs of axis-aligned, equally facing quadrilaterals in one plane whose rectangles overlap by more than what is
+    /// hidden in walls, but for undersides below ground.
     fn overlapping_faces(mesh: &MeshData) -> Vec<[Vec3; 4]> {
         let mut faces: Vec<(usize, f32, Vec3, Vec3)> = Vec::new();
         for quad in mesh
@@ -337,6 +260,7 @@ mod tests {
                 faces.push((side, min[axis], min, max));
             }
         }
+        let hidden = 0.08;
         let mut pairs = Vec::new();
         for i in 0..faces.len() {
             for j in i + 1..faces.len() {
@@ -344,7 +268,7 @@ mod tests {
                 let overlap = (a.3.min(b.3) - a.2.max(b.2)).to_array();
                 let flat = a.0 % 3;
                 let same_plane = a.0 == b.0 && (a.1 - b.1).abs() < 1e-4;
-                if same_plane && (0..3).filter(|k| *k != flat).all(|k| overlap[k] > 1e-3) {
+                if same_plane && (0..3).filter(|k| *k != flat).all(|k| overlap[k] > hidden) {
                     pairs.push([a.2, a.3, b.2, b.3]);
                 }
             }

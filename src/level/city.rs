@@ -269,7 +269,7 @@ fn buildings_of(rng: &mut ChaCha8Rng, city: &City, block: &Block, t: f32, placem
         for cut in &mut cuts[1..lots as usize] {
             *cut += rng.random_range(-2.0..2.0);
         }
-        for pair in cuts.windows(2) {
+        for (lot_number, pair) in cuts.windows(2).enumerate() {
             let gap = if t > SUBURB {
                 3.0
             } else {
@@ -278,28 +278,42 @@ fn buildings_of(rng: &mut ChaCha8Rng, city: &City, block: &Block, t: f32, placem
             let width = pair[1] - pair[0] - gap;
             let depth = 0.5 * short * rng.random_range(0.72..0.88);
             let (floors, style) = storeys(rng, city, t);
-            // Façades stand on the pavement's edge.
+            // Façades stand on the pavement's edge and look to the street.
             let across = if row == 0 { 0.5 * depth } else { short - 0.5 * depth };
             let middle = 0.5 * (pair[0] + pair[1]);
-            let (offset, plan) = if along_x {
-                (Vec2::new(middle, across), (width, depth))
+            let (along, outward) = if along_x {
+                (Vec2::X, Vec2::Y)
             } else {
-                (Vec2::new(across, middle), (depth, width))
+                (Vec2::Y, Vec2::X)
             };
+            let front = if row == 0 { -outward } else { outward };
+            // Where the next building is a hand's breadth away, there are no windows.
+            let narrow = gap < 1.0;
+            let (before, after) = (narrow && lot_number > 0, narrow && lot_number + 1 < lots as usize);
+            // To the right of one who looks at the front; y of the plan is z of the world.
+            let right = Vec2::new(front.y, -front.x);
             let decimetres = |metres: f32| (metres * 10.0) as u16;
+            let paint = rng.random();
             let building = Building {
-                width_dm: decimetres(plan.0),
-                depth_dm: decimetres(plan.1),
+                width_dm: decimetres(width),
+                depth_dm: decimetres(depth),
                 floors,
                 style,
-                paint: rng.random(),
+                blind: if right.dot(along) > 0.0 {
+                    (after, before)
+                } else {
+                    (before, after)
+                },
                 detail: rng.random(),
             };
-            placements.push(Placement::upright(
-                Model::Building(building),
-                on_pavement(min + offset),
-                0.0,
-            ));
+            placements.push(Placement {
+                tint: building.tint(paint),
+                ..Placement::upright(
+                    Model::Building(building),
+                    on_pavement(min + along * middle + outward * across),
+                    facing(front),
+                )
+            });
         }
     }
 }
@@ -311,20 +325,16 @@ fn storeys(rng: &mut ChaCha8Rng, city: &City, t: f32) -> (u16, Style) {
         (
             0.35,
             1.0 - 0.6 * t,
-            &[Style::Grid, Style::Strips, Style::Piers, Style::Piers],
+            &[Style::Brick, Style::Ribbon, Style::Office, Style::Office],
         )
     } else if t < SUBURB {
         (
             0.18,
             0.36,
-            &[Style::Grid, Style::Balconies, Style::Balconies, Style::Strips],
+            &[Style::Stucco, Style::Concrete, Style::Stucco, Style::Brick],
         )
     } else {
-        (
-            0.08,
-            0.15,
-            &[Style::House, Style::House, Style::House, Style::Balconies],
-        )
+        (0.08, 0.15, &[Style::House, Style::House, Style::House, Style::Stucco])
     };
     let share: f32 = rng.random();
     let floors = most * (low + (high - low) * share * share.sqrt());

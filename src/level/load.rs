@@ -244,7 +244,7 @@ pub(super) fn advance_level(
                     return;
                 }
                 Ok(library) => {
-                    let mut palette = Palette::new(&mut assets, std::mem::take(&mut prepared.models), library);
+                    let mut palette = Palette::new(&mut assets, prepared, library);
                     palette.spawn_statics(&mut commands, &mut assets, std::mem::take(&mut prepared.statics));
                     sky::spawn_sun(&mut commands, &level.sun);
                     Ok(Job::Spawn(Box::new(SpawnJob {

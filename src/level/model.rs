@@ -3,7 +3,7 @@
 use bevy_math::{Quat, Vec2, Vec3};
 
 use super::{
-    buildings::{self, Building},
+    buildings::Building,
     format::Species,
     ground::{Blocker, BlockerShape},
     meshes::{MeshData, Rgb},
@@ -145,6 +145,8 @@ impl Model {
     pub fn asset(&self) -> Option<AssetRef> {
         match *self {
             Self::Plant(species, variant) => Some(species::asset(species, variant)),
+            // Only its material: a building's meshes are put together from the kit.
+            Self::Building(_) => Some(Building::asset()),
             _ => None,
         }
     }
@@ -153,6 +155,10 @@ impl Model {
     pub fn half_extent(&self) -> Vec3 {
         match *self {
             Self::Plant(species, _) => species::half_extent(species),
+            Self::Building(building) => {
+                let (width, depth) = building.plan();
+                Vec3::new(width, building.wall_height(), depth) * 0.5
+            }
             _ => Vec3::splat(0.5),
         }
     }
@@ -160,7 +166,7 @@ impl Model {
     /// Builds the mesh that all placements of this model share; empty for models with an [`asset`](Self::asset).
     pub fn build(&self) -> MeshData {
         match *self {
-            Self::Plant(..) => MeshData::default(),
+            Self::Plant(..) | Self::Building(_) => MeshData::default(),
             Self::SimpleTree(tree, variant) => simple_trees::build(tree, variant),
             Self::FencePost => props::fence_post(),
             Self::FenceRails => props::fence_rails(),
@@ -168,7 +174,6 @@ impl Model {
             Self::Lamp => props::lamp(),
             Self::Bench => props::bench(),
             Self::Car(paint) => props::car(props::CAR_PAINTS[usize::from(paint) % props::CAR_PAINTS.len()]),
-            Self::Building(building) => buildings::build(&building),
             Self::LatticeTower(height) => props::lattice_tower(height as f32),
             Self::Cube(paint) => {
                 let mut mesh = MeshData::default();

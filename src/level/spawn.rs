@@ -1,6 +1,9 @@
 //! From placements to entities: meshes and materials are shared, so that Bevy draws equal models in batches.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::{
+    collections::{BTreeSet, HashMap, HashSet},
+    ops::Range,
+};
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -12,6 +15,7 @@ use bevy::{
 };
 
 use super::{
+    buildings::{self, Building},
     cover::{self, Cover, CoverMaterial, TILES},
     library::{Library, placeholder},
     load::LevelEntity,
@@ -19,6 +23,7 @@ use super::{
     model::{Model, Placement},
     scenery::{Finish, Scenery},
 };
+use crate::forge::city::facade::assemble::Shared;
 
 /// A mesh that is ready for Bevy, with its box.
 pub struct ReadyMesh {
@@ -43,6 +48,8 @@ pub struct Prepared {
     pub statics: Vec<(&'static str, ReadyMesh, Finish)>,
     /// Every model that is built here.
     pub models: Vec<(Model, ReadyMesh)>,
+    /// Every storey and roof that buildings share, with the camera distances in metres of each level of detail.
+    pub shared: Vec<(Shared, Vec<(ReadyMesh, Range<f32>)>)>,
     /// Every model file that is needed, without extension.
     pub files: BTreeSet<&'static str>,
     /// Everything that stands somewhere.
@@ -54,10 +61,13 @@ pub struct Prepared {
 impl Prepared {
     /// Builds the meshes; `report` is called with a share of 0..=1.
     pub fn new(scenery: Scenery, report: impl Fn(f32)) -> Self {
-        let (mut models, mut files) = (Vec::new(), BTreeSet::new());
+        let (mut models, mut files, mut shared) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
         let mut seen = HashSet::new();
         for placement in &scenery.placements {
             if seen.insert(placement.model) {
+                if let Model::Building(building) = placement.model {
+                    shared.extend(building.parts().into_iter().map(|(part, ..)| part));
+                }
                 match placement.model.asset() {
                     Some(asset) => {
                         files.insert(asset.file);
@@ -73,13 +83,20 @@ impl Prepared {
         {
             files.insert(cover::FILE);
         }
-        let total = models.len().max(1) as f32;
+        let (own, total) = (models.len(), (models.len() + shared.len()).max(1) as f32);
         let build = |(i, model): (usize, Model)| {
             report(i as f32 / total);
             Some((model, ReadyMesh::new(model.build())?))
         };
+        let levels = |(i, part): (usize, Shared)| {
+            report((own + i) as f32 / total);
+            let levels = buildings::levels(&part).into_iter();
+            let ready = levels.filter_map(|(mesh, range)| Some((ReadyMesh::new(mesh)?, range)));
+            (part, ready.collect())
+        };
         Self {
             models: models.into_iter().enumerate().filter_map(build).collect(),
+            shared: shared.into_iter().enumerate().map(levels).collect(),
             files,
             statics: scenery
                 .statics
@@ -126,6 +143,7 @@ pub struct Palette {
     solid: Handle<StandardMaterial>,
     water: Handle<StandardMaterial>,
     models: HashMap<Model, (Handle<Mesh>, Aabb)>,
+    shared: HashMap<Shared, Vec<((Handle<Mesh>, Aabb), Range<f32>)>>,
     library: Library,
     stand_in: (Handle<Mesh>, Aabb),
 }
@@ -134,9 +152,16 @@ type Drawn = (Mesh3d, MeshMaterial3d<StandardMaterial>, Aabb, Transform, LevelEn
 
 impl Palette {
     /// Adds materials and the models' meshes.
-    pub fn new(assets: &mut LevelAssets, models: Vec<(Model, ReadyMesh)>, library: Library) -> Self {
+    pub fn new(assets: &mut LevelAssets, prepared: &mut Prepared, library: Library) -> Self {
         let stand_in = placeholder::striped_box();
+        let models = std::mem::take(&mut prepared.models);
+        let mut add = |ready: ReadyMesh| (assets.meshes.add(ready.mesh), ready.aabb);
+        let shared = std::mem::take(&mut prepared.shared).into_iter().map(|(part, levels)| {
+            let levels = levels.into_iter().map(|(ready, range)| (add(ready), range));
+            (part, levels.collect())
+        });
         Self {
+            shared: shared.collect(),
             solid: assets.materials.add(StandardMaterial {
                 perceptual_roughness: 0.95,
                 reflectance: 0.25,
@@ -204,8 +229,7 @@ impl Palette {
 
     /// Spawns placements: one entity for a model that is built here, one per material and level of detail for a file's.
     pub fn spawn(&mut self, commands: &mut Commands, assets: &mut LevelAssets, placements: &[Placement]) {
-        let mut always: Vec<Drawn> = Vec::with_capacity(placements.len());
-        let mut ranged: Vec<(Drawn, VisibilityRange)> = Vec::new();
+        let mut batch = Batch::default();
         for placement in placements {
             let transform = Transform {
                 translation: placement.position,
@@ -218,16 +242,29 @@ impl Palette {
             };
             let Some(asset) = placement.model.asset() else {
                 if let Some(model) = self.models.get(&placement.model) {
-                    always.push(drawn(model, &self.solid, transform));
+                    batch.always.push(drawn(model, &self.solid, transform));
                 }
                 continue;
             };
             let Some(shape) = self.library.shape(asset).cloned() else {
                 let size = 2.0 * placement.model.half_extent();
                 let transform = transform.with_scale(placement.scale * size);
-                always.push(drawn(&self.stand_in, &self.solid, transform));
+                batch.always.push(drawn(&self.stand_in, &self.solid, transform));
                 continue;
             };
+            if let Model::Building(building) = placement.model {
+                let paint = shape
+                    .lods(1.0)
+                    .find_map(|(parts, _)| parts.first().cloned())
+                    .and_then(|part| {
+                        self.library
+                            .material(asset, &part, placement.tint, &mut assets.materials)
+                    });
+                if let Some(paint) = paint {
+                    self.add_building(&mut batch, &building, transform, &paint);
+                }
+                continue;
+            }
             for (parts, range) in shape.lods(placement.scale.max_element()) {
                 for part in parts {
                     let material = self
@@ -235,21 +272,52 @@ impl Palette {
                         .material(asset, part, placement.tint, &mut assets.materials);
                     let Some(material) = material else { continue };
                     let drawn = drawn(&(part.mesh.clone(), part.aabb), &material, transform);
-                    if range == (0.0..f32::INFINITY) {
-                        always.push(drawn);
-                    } else if !range.is_empty() {
-                        let hard = |distance: f32| distance..distance;
-                        let visible = VisibilityRange {
-                            start_margin: hard(range.start),
-                            end_margin: hard(range.end),
-                            use_aabb: false,
-                        };
-                        ranged.push((drawn, visible));
-                    }
+                    batch.add(drawn, &range);
                 }
             }
         }
-        commands.spawn_batch(always);
-        commands.spawn_batch(ranged);
+        commands.spawn_batch(batch.always);
+        commands.spawn_batch(batch.ranged);
+    }
+
+    /// Adds the storeys and the roof of a building in one paint.
+    fn add_building(&self, batch: &mut Batch, building: &Building, place: Transform, paint: &Handle<StandardMaterial>) {
+        for (part, offset, scale) in building.parts() {
+            let own = place * Transform::from_translation(offset).with_scale(scale);
+            for ((mesh, aabb), range) in self.shared.get(&part).into_iter().flatten() {
+                let drawn = (
+                    Mesh3d(mesh.clone()),
+                    MeshMaterial3d(paint.clone()),
+                    *aabb,
+                    own,
+                    LevelEntity,
+                );
+                batch.add(drawn, range);
+            }
+        }
+    }
+}
+
+/// Entities to be.
+#[derive(Default)]
+struct Batch {
+    always: Vec<Drawn>,
+    ranged: Vec<(Drawn, VisibilityRange)>,
+}
+
+impl Batch {
+    /// Adds something that is drawn at these camera distances in metres, switched at once.
+    fn add(&mut self, drawn: Drawn, range: &Range<f32>) {
+        if *range == (0.0..f32::INFINITY) {
+            self.always.push(drawn);
+        } else if !range.is_empty() {
+            let hard = |distance: f32| distance..distance;
+            let visible = VisibilityRange {
+                start_margin: hard(range.start),
+                end_margin: hard(range.end),
+                use_aabb: false,
+            };
+            self.ranged.push((drawn, visible));
+        }
     }
 }

@@ -203,7 +203,11 @@ fn buildings_do_not_stand_in_each_other() {
         .placements
         .iter()
         .filter_map(|p| match p.model {
-            Model::Building(building) => Some((plan(p), Vec2::new(building.plan().0, building.plan().1) * 0.5)),
+            Model::Building(building) => {
+                let (width, depth) = building.plan();
+                let turned = p.rotation * Vec3::new(0.5 * width, 0.0, 0.5 * depth);
+                Some((plan(p), Vec2::new(turned.x, turned.z).abs()))
+            }
             _ => None,
         })
         .collect();

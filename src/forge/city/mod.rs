@@ -1,0 +1,3 @@
+//! What a city is built of.
+
+pub mod facade;
