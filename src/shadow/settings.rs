@@ -32,8 +32,9 @@ pub struct SunShadows {
     /// View depth from which shadows are computed, in metres. `None`: the camera's near plane, moved to the nearest
     /// point of the scene's bounds. A larger value sharpens; surfaces nearer than it have no guarantee.
     pub near: Option<f32>,
-    /// Draws Bevy's own fallback map (for transparent surfaces) on the full path. Costs one more map of
-    /// [`DirectionalLightShadowMap`](bevy::light::DirectionalLightShadowMap) size.
+    /// Draws Bevy's own fallback map on the full path, in frames in which the camera sees a transparent surface: such
+    /// surfaces read it. Costs one more map of [`DirectionalLightShadowMap`](bevy::light::DirectionalLightShadowMap)
+    /// size.
     pub fallback_map: bool,
 }
 

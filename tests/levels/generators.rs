@@ -76,7 +76,14 @@ fn the_forest_has_its_trees_in_all_kinds() {
     let scenery = generate(&level("forest"));
     let trees = trees(&scenery);
     assert!(trees.len() >= 2000, "{} trees", trees.len());
-    for species in [Species::Conifer, Species::Oak, Species::Birch, Species::DeadTree] {
+    for species in [
+        Species::Spruce,
+        Species::Pine,
+        Species::Oak,
+        Species::Beech,
+        Species::Birch,
+        Species::DeadTree,
+    ] {
         let of_kind = trees
             .iter()
             .filter(|tree| matches!(tree.model, Model::Plant(own, _) if own == species))

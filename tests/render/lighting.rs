@@ -3,7 +3,7 @@
 use bevy::{
     camera::RenderTarget,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
-    pbr::DefaultOpaqueRendererMethod,
+    pbr::{DefaultOpaqueRendererMethod, ShadowView},
     prelude::*,
     render::{
         RenderApp,
@@ -163,6 +163,36 @@ fn transparent_receivers_take_the_fallback_map() {
         dark < 0.7 * bright,
         "{dark} on the pane in the shadow against {bright} beside it"
     );
+}
+
+/// A second map of the whole scene is drawn in frames with a surface that reads it, and in no others.
+#[test]
+fn the_fallback_map_is_drawn_only_for_transparent_surfaces() {
+    let mut harness = Harness::new(SIZE, eye());
+    ground_and_slab(&mut harness);
+    harness.sun(LIGHT, settings("lispsm:size=256"));
+    harness.start();
+    let maps = |harness: &mut Harness| {
+        let world = harness.app.sub_app_mut(RenderApp).world_mut();
+        world.query::<&ShadowView>().iter(world).count()
+    };
+    assert_eq!(maps(&mut harness), 0, "maps of Bevy's without glass");
+    let glass = harness.material(StandardMaterial {
+        base_color: Color::srgba(0.9, 0.9, 0.9, 0.9),
+        alpha_mode: AlphaMode::Blend,
+        ..default()
+    });
+    let pane = harness.mesh(Plane3d::default().mesh().size(8.0, 2.0));
+    let pane = harness
+        .app
+        .world_mut()
+        .spawn((Mesh3d(pane), MeshMaterial3d(glass)))
+        .id();
+    harness.frames(WARM_UP);
+    assert_eq!(maps(&mut harness), 1, "maps of Bevy's with glass");
+    harness.app.world_mut().despawn(pane);
+    harness.frames(WARM_UP);
+    assert_eq!(maps(&mut harness), 0, "maps of Bevy's once the glass is gone");
 }
 
 /// A sun whose settings change while running: each change shows in the next frames.

@@ -94,6 +94,7 @@ impl Plugin for CasterPlugin {
                     times
                         .clock("queue_casters", queue::queue_casters)
                         .in_set(RenderSystems::QueueMeshes),
+                    prepare::skip_idle_fallback.in_set(RenderSystems::PhaseSort),
                 ),
             )
             .add_systems(

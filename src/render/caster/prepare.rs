@@ -2,14 +2,15 @@
 
 use bevy::{
     camera::{primitives::Frustum, visibility::RenderLayers},
+    core_pipeline::core_3d::Transparent3d,
     ecs::entity::EntityHashMap,
     math::primitives::ViewFrustum,
-    pbr::{LightEntity, ShadowView, ViewLightEntities},
+    pbr::{LightEntity, ShadowView, Transmissive3d, ViewLightEntities},
     platform::collections::HashSet,
     prelude::*,
     render::{
         batching::gpu_preprocessing::GpuPreprocessingMode,
-        render_phase::ViewBinnedRenderPhases,
+        render_phase::{ViewBinnedRenderPhases, ViewSortedRenderPhases},
         view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
     },
 };
@@ -38,6 +39,8 @@ pub struct CasterViews {
     pub retained_master: RetainedViewEntity,
     /// Key of Bevy's first cascade, whose caster set and pipelines the phase shares.
     pub retained_cascade: RetainedViewEntity,
+    /// Render entity of Bevy's first cascade, whose map transparent surfaces read.
+    pub cascade: Entity,
     /// Render entity of the light.
     pub light: Entity,
     /// One render view per light view.
@@ -75,6 +78,7 @@ pub fn prepare_caster_views(
                 master: commands.spawn_empty().id(),
                 retained_master,
                 retained_cascade: cascade.retained_view_entity,
+                cascade: cascade_entity,
                 light: sun.light,
                 light_views: Vec::new(),
                 fresh: true,
@@ -82,6 +86,7 @@ pub fn prepare_caster_views(
         };
         views.retained_master = retained_master;
         views.retained_cascade = cascade.retained_view_entity;
+        views.cascade = cascade_entity;
         views.light = sun.light;
         views.fresh = !phases.contains_key(&retained_master);
         for surplus in views
@@ -147,6 +152,26 @@ pub fn prepare_caster_views(
         }
     }
     phases.retain(|view, _| live.contains(view));
+}
+
+/// Leaves out the fallback map where the camera draws nothing that reads it: no transparent and no transmissive surface.
+pub fn skip_idle_fallback(
+    mut commands: Commands,
+    cameras: Query<(&ExtractedView, &CasterViews)>,
+    transparent: Res<ViewSortedRenderPhases<Transparent3d>>,
+    transmissive: Option<Res<ViewSortedRenderPhases<Transmissive3d>>>,
+) {
+    for (view, views) in &cameras {
+        let key = view.retained_view_entity;
+        let has_transparent = transparent.get(&key).is_some_and(|phase| !phase.items.is_empty());
+        let has_transmissive = transmissive
+            .as_ref()
+            .and_then(|phases| phases.get(&key))
+            .is_some_and(|phase| !phase.items.is_empty());
+        if !has_transparent && !has_transmissive {
+            commands.entity(views.cascade).remove::<ShadowView>();
+        }
+    }
 }
 
 /// Bevy's view of one cascade of a light, among the views of a camera.
