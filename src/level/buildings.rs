@@ -15,7 +15,7 @@ use super::{
 use crate::forge::{
     city::facade::{
         self,
-        assemble::{self, Shared},
+        assemble::{self, Shared, SharedPart},
         bays::Detail,
     },
     mesh::Mesh,
@@ -83,6 +83,11 @@ impl Building {
             .into_iter()
             .map(|(shared, height)| (shared, Vec3::Y * height, Vec3::new(stretch.x, 1.0, stretch.y)))
             .collect()
+    }
+
+    /// Is a part of the building painted? Cornices and mansards of stone and zinc are not.
+    pub fn is_painted(part: &Shared) -> bool {
+        !matches!((part.style, part.part), (Style::Stucco, SharedPart::Roof { .. }))
     }
 
     /// One of the paints that its style comes in.

@@ -20,7 +20,7 @@ use super::{
     library::{Library, placeholder},
     load::LevelEntity,
     meshes::MeshData,
-    model::{Model, Placement},
+    model::{Model, Placement, Tint},
     scenery::{Finish, Scenery},
 };
 use crate::forge::city::facade::assemble::Shared;
@@ -253,15 +253,13 @@ impl Palette {
                 continue;
             };
             if let Model::Building(building) = placement.model {
-                let paint = shape
-                    .lods(1.0)
-                    .find_map(|(parts, _)| parts.first().cloned())
-                    .and_then(|part| {
-                        self.library
-                            .material(asset, &part, placement.tint, &mut assets.materials)
-                    });
-                if let Some(paint) = paint {
-                    self.add_building(&mut batch, &building, transform, &paint);
+                let sample = shape.lods(1.0).find_map(|(parts, _)| parts.first().cloned());
+                let mut material = |tint: Tint| {
+                    let part = sample.as_ref()?;
+                    self.library.material(asset, part, tint, &mut assets.materials)
+                };
+                if let (Some(paint), Some(bare)) = (material(placement.tint), material(Tint::WHITE)) {
+                    self.add_building(&mut batch, &building, transform, [&paint, &bare]);
                 }
                 continue;
             }
@@ -280,19 +278,20 @@ impl Palette {
         commands.spawn_batch(batch.ranged);
     }
 
-    /// Adds the storeys and the roof of a building in one paint.
-    fn add_building(&self, batch: &mut Batch, building: &Building, place: Transform, paint: &Handle<StandardMaterial>) {
+    /// Adds the storeys and the roof of a building, in its paint and in what is bare.
+    fn add_building(
+        &self,
+        batch: &mut Batch,
+        building: &Building,
+        place: Transform,
+        [paint, bare]: [&Handle<StandardMaterial>; 2],
+    ) {
         for (part, offset, scale) in building.parts() {
+            let material = if Building::is_painted(&part) { paint } else { bare };
             let own = place * Transform::from_translation(offset).with_scale(scale);
             for ((mesh, aabb), range) in self.shared.get(&part).into_iter().flatten() {
-                let drawn = (
-                    Mesh3d(mesh.clone()),
-                    MeshMaterial3d(paint.clone()),
-                    *aabb,
-                    own,
-                    LevelEntity,
-                );
-                batch.add(drawn, range);
+                let material = MeshMaterial3d(material.clone());
+                batch.add((Mesh3d(mesh.clone()), material, *aabb, own, LevelEntity), range);
             }
         }
     }

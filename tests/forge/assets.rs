@@ -120,7 +120,7 @@ fn no_other_models_lie_about() {
 
 #[test]
 fn the_code_makes_the_committed_bytes() {
-    for name in ["fern", "deadwood"] {
+    for name in ["fern", "deadwood", "facades"] {
         let asset = assets().iter().find(|asset| asset.name == name).expect("the asset");
         assert!(asset.forge() == committed(name), "{name} is stale: run `umbrage forge`");
     }

@@ -472,3 +472,84 @@ pub fn levels(style: Style, storey: Storey, bay: Bay) -> Vec<Mesh> {
     }
     levels
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    /// Triangles of a bay at near, middle and far detail, at most.
+    const BUDGETS: [usize; 3] = [330, 70, 14];
+
+    /// Edges that are used once, without their direction, in millimetres.
+    fn open_edges(mesh: &Mesh) -> Vec<[[i32; 3]; 2]> {
+        let key = |index: u32| {
+            (mesh.vertices[index as usize].position * 1000.0)
+                .round()
+                .as_ivec3()
+                .to_array()
+        };
+        let mut edges: BTreeMap<[[i32; 3]; 2], i32> = BTreeMap::new();
+        for triangle in mesh.indices.chunks_exact(3) {
+            for k in 0..3 {
+                let (a, b) = (key(triangle[k]), key(triangle[(k + 1) % 3]));
+                *edges.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+            }
+        }
+        edges
+            .into_iter()
+            .filter(|(_, sum)| *sum != 0)
+            .map(|(edge, _)| edge)
+            .collect()
+    }
+
+    #[test]
+    fn every_bay_ends_in_the_same_four_edges() {
+        for (style, storey, bay) in kit() {
+            for detail in Detail::ALL {
+                let found = open_edges(&self::bay(style, storey, bay, detail).mesh);
+                let (low, high) = match storey {
+                    Storey::Ground => (-300, 4000),
+                    Storey::Upper => (0, 3200),
+                };
+                let right = (style.bay() * 1000.0) as i32;
+                let [a, b, c, d] = [[0, low, 0], [0, high, 0], [right, low, 0], [right, high, 0]];
+                assert_eq!(
+                    found,
+                    [[a, b], [a, c], [b, d], [c, d]],
+                    "{style:?} {storey:?} {bay:?} {detail:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn bays_keep_to_their_budgets() {
+        for (style, storey, bay) in kit() {
+            for (detail, budget) in Detail::ALL.into_iter().zip(BUDGETS) {
+                let count = self::bay(style, storey, bay, detail).mesh.triangle_count();
+                assert!(count <= budget, "{style:?} {storey:?} {bay:?} {detail:?}: {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn far_views_have_room_and_numbers_of_their_own() {
+        assert!(kit().len() <= atlas::VIEWS);
+        assert_eq!(view_index(Style::Stucco, Storey::Ground, Bay::Window(0)), Some(0));
+        assert_eq!(
+            view_index(Style::House, Storey::Upper, Bay::Window(2)),
+            Some(kit().len() - 1)
+        );
+        assert_eq!(view_index(Style::House, Storey::Upper, Bay::Blank), None);
+    }
+
+    #[test]
+    fn a_window_lies_behind_its_wall() {
+        let near = bay(Style::Brick, Storey::Upper, Bay::Window(0), Detail::Near).mesh;
+        let (low, high) = near.bounds().expect("triangles");
+        assert!((low.z + 0.18).abs() < 1e-5, "a recess of 0.18 m, found {}", low.z);
+        assert!((high.z - 0.12).abs() < 1e-5, "a sill of 0.12 m, found {}", high.z);
+    }
+}
