@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use bevy::prelude::*;
 
 use crate::{
-    level::{LevelSystems, LoadedScene, RequestedScene, scene::SceneSource},
+    level::{LevelSystems, LoadedScene, RequestedScene, inhabitants::LevelTime, scene::SceneSource},
     shadow::technique::Technique,
     ui,
 };
@@ -87,6 +87,10 @@ impl Plugin for DemoPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(RequestedScene(Some(self.scene.clone())))
             .insert_resource(Scenes(self.scenes.clone()))
+            .insert_resource(LevelTime {
+                runs: true,
+                ..default()
+            })
             .insert_resource(technique::Chosen(self.technique.clone()))
             .init_resource::<Verdict>()
             .configure_sets(

@@ -6,7 +6,7 @@
 use bevy_math::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::{shot::Shot, sky::course::DayCourse};
+use super::{inhabitants::InhabitantRule, shot::Shot, sky::course::DayCourse};
 
 /// A level file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,9 @@ pub struct Level {
     /// Plants and rocks, thrown in this order.
     #[serde(default)]
     pub scatter: Vec<ScatterRule>,
+    /// Animals and people.
+    #[serde(default)]
+    pub inhabitants: Vec<InhabitantRule>,
     /// Sun and sky.
     pub sun: SunSettings,
     /// Where the player starts.

@@ -193,6 +193,11 @@ impl Ground {
         }
     }
 
+    /// All pavements.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
     /// All obstacles.
     pub fn blockers(&self) -> &[Blocker] {
         &self.blockers

@@ -1,7 +1,7 @@
 //! Loading as a state machine: set [`RequestedScene`], watch [`SceneStatus`], use [`LoadedScene`].
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     sync::{
         Arc,
         atomic::{AtomicU32, Ordering},
@@ -18,6 +18,7 @@ use super::{
     find::{AssetRoot, EXTENSION},
     format::{CameraPath, Level, Spawn, SunSettings},
     ground::Ground,
+    inhabitants,
     library::{self, ModelAssets},
     load_gltf::GltfJob,
     loader::{LevelAsset, LevelLoadError, SOURCE},
@@ -200,6 +201,7 @@ pub(super) fn advance_level(
     server: Res<AssetServer>,
     levels: Res<Assets<LevelAsset>>,
     models: ModelAssets,
+    mut graphs: Option<ResMut<Assets<AnimationGraph>>>,
     mut assets: LevelAssets,
     mut job: ResMut<Job>,
     mut status: ResMut<SceneStatus>,
@@ -226,7 +228,7 @@ pub(super) fn advance_level(
             Some(prepared) => Ok(Job::Models {
                 handle: handle.clone(),
                 level: level.clone(),
-                models: Box::new(library::Loading::start(&server, prepared.files.iter().copied())),
+                models: Box::new(library::Loading::start(&server, files_of(&prepared, level))),
                 prepared: Box::new(prepared),
             }),
         },
@@ -268,6 +270,12 @@ pub(super) fn advance_level(
                 let done = SPAWN_AT + ((TOTAL - SPAWN_AT) as f32 * share) as u32;
                 *status = loading(done, format!("Placing {}", spawn.level.name));
                 return;
+            }
+            if let Some(graphs) = &mut graphs {
+                let of_level = (&spawn.level.inhabitants[..], &spawn.ground, spawn.level.seed);
+                let library = spawn.palette.library();
+                let notes = inhabitants::spawn(&mut commands, &mut assets, graphs, library, of_level);
+                library.notes.extend(notes);
             }
             let mut scene = loaded(&spawn.level, std::mem::take(&mut spawn.ground));
             scene.notes.extend_from_slice(spawn.palette.notes());
@@ -317,6 +325,12 @@ fn build(
         progress,
         task,
     })
+}
+
+/// Model files that a level needs.
+fn files_of(prepared: &Prepared, level: &Level) -> BTreeSet<&'static str> {
+    let figures = level.inhabitants.iter().map(|rule| rule.figure.file());
+    prepared.files.iter().copied().chain(figures).collect()
 }
 
 fn loaded(level: &Level, ground: Ground) -> LoadedScene {

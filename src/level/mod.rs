@@ -17,6 +17,7 @@ pub mod find;
 pub mod forest;
 pub mod format;
 pub mod ground;
+pub mod inhabitants;
 pub mod library;
 mod load;
 mod load_gltf;
@@ -63,6 +64,7 @@ impl Plugin for LevelPlugin {
             .init_resource::<load::Job>()
             .add_plugins(cover::plugin)
             .add_plugins(sky::plugin)
+            .add_plugins(inhabitants::plugin)
             .add_systems(
                 Update,
                 (load::reload, load::start, load::advance_level, load_gltf::advance_gltf)

@@ -191,6 +191,11 @@ impl Palette {
         &self.library.notes
     }
 
+    /// The model files.
+    pub fn library(&mut self) -> &mut Library {
+        &mut self.library
+    }
+
     /// Spawns meshes in world space.
     pub fn spawn_statics(
         &mut self,

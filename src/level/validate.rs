@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 
 use bevy_math::{Vec2, Vec3};
 
-use super::format::*;
+use super::{
+    format::*,
+    inhabitants::{InhabitantRule, Places},
+};
 
 /// Why a level cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -170,6 +173,9 @@ impl Level {
         for (i, rule) in self.scatter.iter().enumerate() {
             rule.validate(&format!("scatter[{i}]"))?;
         }
+        for (i, rule) in self.inhabitants.iter().enumerate() {
+            rule.validate(&format!("inhabitants[{i}]"))?;
+        }
         self.sun.validate()?;
         point("spawn.position", self.spawn.position)?;
         point("spawn.look_at", self.spawn.look_at)?;
@@ -268,6 +274,8 @@ impl Level {
 
 /// The most things that one rule or generator places.
 pub const MAX_COUNT: u32 = 1_000_000;
+/// Most inhabitants of one rule: each has a skeleton.
+const MAX_INHABITANTS: u32 = 1_000;
 
 impl TerrainShape {
     fn validate(&self) -> Result<(), LevelError> {
@@ -396,6 +404,19 @@ impl ScatterRule {
         interval(&format!("{field}.height"), self.height, -10_000.0, 10_000.0)?;
         interval(&format!("{field}.scale"), self.scale, 0.01, 100.0)?;
         number(&format!("{field}.clumping"), self.clumping, 0.0, 1.0)
+    }
+}
+
+impl InhabitantRule {
+    fn validate(&self, field: &str) -> Result<(), LevelError> {
+        count(&format!("{field}.count"), self.count, 0, MAX_INHABITANTS)?;
+        match self.places {
+            Places::Pavements { within } => number(&format!("{field}.places.within"), within, 1.0, 10_000.0),
+            Places::Area { center, radius } => {
+                point(&format!("{field}.places.center"), center.extend(0.0))?;
+                number(&format!("{field}.places.radius"), radius, 2.0, 1_000.0)
+            }
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use bevy::{
     asset::{LoadState, RecursiveDependencyLoadState, RenderAssetUsages},
     camera::primitives::{Aabb, MeshAabb},
     ecs::system::SystemParam,
-    gltf::{Gltf, GltfLoaderSettings, GltfMaterial, GltfMesh, GltfNode},
+    gltf::{Gltf, GltfLoaderSettings, GltfMaterial, GltfMesh, GltfNode, GltfSkin},
     platform::collections::HashMap,
     prelude::*,
     tasks::{AsyncComputeTaskPool, Task, futures::check_ready},
@@ -24,6 +24,7 @@ pub mod lods;
 pub mod materials;
 pub mod pictures;
 pub mod placeholder;
+pub mod rigs;
 pub mod structure;
 
 use super::{
@@ -31,6 +32,7 @@ use super::{
     model::{AssetRef, Tint},
 };
 use materials::Look;
+use rigs::Rig;
 
 /// One material's triangles of one level of detail.
 #[derive(Clone, Debug)]
@@ -66,6 +68,7 @@ impl Shape {
 struct ModelFile {
     shapes: Vec<Shape>,
     looks: Vec<Look>,
+    rig: Option<Rig>,
 }
 
 /// All model files that a level asked for.
@@ -82,6 +85,11 @@ impl Library {
     pub fn shape(&self, asset: AssetRef) -> Option<&Shape> {
         let shapes = &self.files.get(asset.file)?.shapes;
         shapes.get(asset.variant as usize % shapes.len().max(1))
+    }
+
+    /// What moves the shapes of a file; `None` where nothing does.
+    pub fn rig(&self, file: &str) -> Option<&Rig> {
+        self.files.get(file)?.rig.as_ref()
     }
 
     /// The material that covers ground with these tiles of [`cover::FILE`].
@@ -139,6 +147,16 @@ pub struct ModelAssets<'w> {
     nodes: Option<Res<'w, Assets<GltfNode>>>,
     groups: Option<Res<'w, Assets<GltfMesh>>>,
     materials: Option<Res<'w, Assets<GltfMaterial>>>,
+    skins: Option<Res<'w, Assets<GltfSkin>>>,
+    clips: Option<Res<'w, Assets<AnimationClip>>>,
+}
+
+impl ModelAssets<'_> {
+    /// The rig of a file.
+    fn rig(&self, handle: &Handle<Gltf>) -> Option<Rig> {
+        let file = self.files.as_ref()?.get(handle)?;
+        rigs::read(file, self.nodes.as_ref()?, self.skins.as_ref()?, self.clips.as_ref()?)
+    }
 }
 
 /// Files on their way.
@@ -230,7 +248,8 @@ impl Loading {
                         for look in &mut looks {
                             tasks.extend(with_mips(look, images));
                         }
-                        self.library.files.insert(name, ModelFile { shapes, looks });
+                        let rig = models.rig(&handle);
+                        self.library.files.insert(name, ModelFile { shapes, looks, rig });
                         continue;
                     }
                     Err(sentence) => format!("{FOLDER}/{name}.glb: {sentence}"),
