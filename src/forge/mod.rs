@@ -15,7 +15,7 @@
 //! | fern, grass | strips with painted fronds and blades | [`ground::herbs`] |
 //! | rock | icospheres cut by planes | [`ground::rock`] |
 //! | deadwood | a stump, a log | [`ground::deadwood`] |
-//! | street, cars, tower, fountain | furniture, vehicles, a lattice tower, a fountain | [`street`] |
+//! | street, cars, tram, tower, fountain, cabin | furniture, vehicles, a lattice tower, a log cabin | [`street`] |
 //! | surfaces | tiles of ground: litter, earth, rock, grass, asphalt, stone | [`surface`] |
 //! | deer, walker | skinned figures with clips | soft objects, marching tetrahedra, edge collapse ([`figure`]) |
 //! | facades | a kit of bays in six styles, with one picture | [`city::facade`] |
@@ -130,6 +130,8 @@ const ASSETS: &[Recipe] = &[
     street::RECIPES[1],
     street::RECIPES[2],
     street::RECIPES[3],
+    street::RECIPES[4],
+    street::RECIPES[5],
     figure::RECIPES[0],
     figure::RECIPES[1],
     city::facade::RECIPE,

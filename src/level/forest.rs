@@ -5,6 +5,7 @@ use bevy_math::{Quat, Vec2, Vec3};
 use super::{
     format::{FenceShape, Forest, HutSite, Level},
     ground::{Ground, Surface},
+    made::Made,
     model::{Model, Placement, Tint},
     scatter::{self, Thrown},
     scenery::{Finish, Scenery, Static},
@@ -84,7 +85,7 @@ fn hut(terrain: &Terrain, site: &HutSite) -> Placement {
         .map(|(x, z)| terrain.height(site.position + Vec2::new(*x, *z)))
         .fold(f32::MIN, f32::max);
     let position = Vec3::new(site.position.x, height, site.position.y);
-    Placement::upright(Model::Hut, position, site.yaw_deg.to_radians())
+    Placement::upright(Model::Made(Made::Hut), position, site.yaw_deg.to_radians())
 }
 
 /// Posts and rails on the left of a track.
@@ -110,7 +111,7 @@ fn fence_along(terrain: &Terrain, track: &Track, fence: &FenceShape) -> Vec<Plac
     for foot in &feet {
         placements.push(Placement {
             scale: Vec3::new(1.0, fence.height, 1.0),
-            ..Placement::upright(Model::FencePost, *foot, 0.0)
+            ..Placement::upright(Model::Made(Made::SplitPost), *foot, 0.0)
         });
     }
     for pair in feet.windows(2) {
@@ -122,7 +123,7 @@ fn fence_along(terrain: &Terrain, track: &Track, fence: &FenceShape) -> Vec<Plac
         let yaw = Quat::from_rotation_y((-along.z).atan2(along.x));
         let rise = Quat::from_rotation_z((along.y / along.length()).asin());
         placements.push(Placement {
-            model: Model::FenceRails,
+            model: Model::Made(Made::SplitRails),
             position: pair[0],
             rotation: yaw * rise,
             scale: Vec3::new(along.length(), fence.height, 1.0),

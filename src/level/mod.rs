@@ -22,6 +22,7 @@ pub mod library;
 mod load;
 mod load_gltf;
 pub mod loader;
+pub mod made;
 pub mod meshes;
 pub mod model;
 pub mod noise;

@@ -6,6 +6,7 @@ use super::{
     buildings::Building,
     format::Species,
     ground::{Blocker, BlockerShape},
+    made::{Foot, Made},
     meshes::{MeshData, Rgb},
     props,
     simple_trees::{self, SimpleTree},
@@ -19,22 +20,14 @@ pub enum Model {
     Plant(Species, u32),
     /// A tree of few triangles in one of its shapes.
     SimpleTree(SimpleTree, u32),
-    /// A fence post of 1 m.
+    /// A plain fence post of 1 m.
     FencePost,
-    /// Fence rails of 1 m along +x.
+    /// Plain fence rails of 1 m along +x.
     FenceRails,
-    /// A log cabin.
-    Hut,
-    /// A street lamp.
-    Lamp,
-    /// A bench.
-    Bench,
-    /// A car; the index of its paint.
-    Car(u8),
+    /// Something that people put up.
+    Made(Made),
     /// A building.
     Building(Building),
-    /// The lattice tower, of this height in metres.
-    LatticeTower(u32),
     /// A cube of side 1 on the ground; the index of its paint in [`PRIMITIVE_PAINTS`].
     Cube(u8),
     /// A ball of diameter 1 on the ground.
@@ -109,25 +102,20 @@ impl Placement {
             Model::SimpleTree(tree, _) => (round(simple_trees::foot_radius(tree)), simple_trees::height(tree)),
             // The rails between posts are what stops a walker; see the generators, which know both ends.
             Model::FencePost => (round(0.1), 1.0),
-            Model::FenceRails => {
-                let middle = self.position + self.rotation * (Vec3::X * 0.5 * self.scale.x);
-                return Some(Blocker {
-                    center: Vec2::new(middle.x, middle.z),
-                    shape: turned(0.5, 0.05),
-                    bottom: middle.y - 1.0,
-                    top: middle.y + self.scale.y,
-                });
+            Model::FenceRails => return Some(self.wall(1.0, 1.0)),
+            Model::Made(made) => {
+                let shape = match made.foot() {
+                    Foot::Free => return None,
+                    Foot::Round(radius) => round(radius),
+                    Foot::Box(half_x, half_z) => turned(half_x, half_z),
+                    Foot::Wall(length) => return Some(self.wall(length, made.height())),
+                };
+                (shape, made.height())
             }
-            Model::Hut => (turned(props::HUT_HALF.0 + 0.2, props::HUT_HALF.1 + 0.2), 6.0),
-            Model::Lamp => (round(0.13), 6.5),
-            Model::Bench => (turned(0.9, 0.35), 0.9),
-            Model::Car(_) => (turned(0.88, 2.15), 1.4),
             Model::Building(building) => {
                 let (width, depth) = building.plan();
                 (turned(0.5 * width, 0.5 * depth), building.wall_height())
             }
-            // A walker passes between the legs; they are thin.
-            Model::LatticeTower(_) => return None,
             Model::Cube(_) => (turned(0.5, 0.5), 1.0),
             Model::Ball(_) | Model::Pole(_) => (round(0.5), 1.0),
         };
@@ -138,6 +126,21 @@ impl Placement {
             top: self.position.y + height * self.scale.y,
         })
     }
+
+    /// The blocker of something thin, `length` metres along +x from its foot at scale 1.
+    fn wall(&self, length: f32, height: f32) -> Blocker {
+        let half = 0.5 * length * self.scale.x;
+        let middle = self.position + self.rotation * (Vec3::X * half);
+        Blocker {
+            center: Vec2::new(middle.x, middle.z),
+            shape: BlockerShape::Box {
+                half: Vec2::new(half, 0.05 * self.scale.z),
+                yaw: self.rotation.to_euler(bevy_math::EulerRot::YXZ).0,
+            },
+            bottom: middle.y - 1.0,
+            top: middle.y + height * self.scale.y,
+        }
+    }
 }
 
 impl Model {
@@ -147,6 +150,7 @@ impl Model {
             Self::Plant(species, variant) => Some(species::asset(species, variant)),
             // Only its material: a building's meshes are put together from the kit.
             Self::Building(_) => Some(Building::asset()),
+            Self::Made(made) => Some(made.asset()),
             _ => None,
         }
     }
@@ -159,6 +163,7 @@ impl Model {
                 let (width, depth) = building.plan();
                 Vec3::new(width, building.wall_height(), depth) * 0.5
             }
+            Self::Made(made) => made.half_extent(),
             _ => Vec3::splat(0.5),
         }
     }
@@ -166,15 +171,10 @@ impl Model {
     /// Builds the mesh that all placements of this model share; empty for models with an [`asset`](Self::asset).
     pub fn build(&self) -> MeshData {
         match *self {
-            Self::Plant(..) | Self::Building(_) => MeshData::default(),
+            Self::Plant(..) | Self::Building(_) | Self::Made(_) => MeshData::default(),
             Self::SimpleTree(tree, variant) => simple_trees::build(tree, variant),
             Self::FencePost => props::fence_post(),
             Self::FenceRails => props::fence_rails(),
-            Self::Hut => props::hut(),
-            Self::Lamp => props::lamp(),
-            Self::Bench => props::bench(),
-            Self::Car(paint) => props::car(props::CAR_PAINTS[usize::from(paint) % props::CAR_PAINTS.len()]),
-            Self::LatticeTower(height) => props::lattice_tower(height as f32),
             Self::Cube(paint) => {
                 let mut mesh = MeshData::default();
                 mesh.push_box(Vec3::Y * 0.5, Vec3::ONE, primitive_paint(paint));

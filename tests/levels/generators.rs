@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use bevy::math::{Vec2, Vec3};
 use umbrage::level::{
     format::*,
+    made::Made,
     model::{Model, Placement},
     scatter,
     scenery::{Scenery, generate},
@@ -101,7 +102,7 @@ fn the_forest_has_its_trees_in_all_kinds() {
         .filter(|p| p.model == Model::FenceRails)
         .count();
     assert!(posts >= 100 && rails >= posts * 9 / 10, "{posts} posts, {rails} rails");
-    assert!(scenery.placements.iter().any(|p| p.model == Model::Hut));
+    assert!(scenery.placements.iter().any(|p| p.model == Model::Made(Made::Hut)));
 }
 
 #[test]
@@ -144,8 +145,8 @@ fn trees_keep_their_spacing_and_keep_off_paths_clearings_and_steep_ground() {
 fn rails_connect_their_posts() {
     let scenery = generate(&level("forest"));
     let of = |model: Model| scenery.placements.iter().filter(move |p| p.model == model);
-    let posts: Vec<Vec3> = of(Model::FencePost).map(|p| p.position).collect();
-    for rails in of(Model::FenceRails) {
+    let posts: Vec<Vec3> = of(Model::Made(Made::SplitPost)).map(|p| p.position).collect();
+    for rails in of(Model::Made(Made::SplitRails)) {
         let end = rails.position + rails.rotation * (Vec3::X * rails.scale.x);
         for tip in [rails.position, end] {
             let nearest = posts.iter().map(|post| post.distance(tip)).fold(f32::MAX, f32::min);
@@ -182,19 +183,19 @@ fn the_city_has_its_buildings_in_districts_and_a_tower() {
     );
     let models: HashSet<_> = buildings.iter().map(|(_, building)| building).collect();
     assert!(models.len() > 100, "only {} different buildings", models.len());
-    let tower = scenery.placements.iter().find_map(|p| match p.model {
-        Model::LatticeTower(_) => p.model.build().solid.bounds(),
-        _ => None,
-    });
-    assert!(tower.unwrap().1.y > 100.0);
+    let made = |made: Made| scenery.placements.iter().filter(move |p| p.model == Model::Made(made));
+    let tower = made(Made::Tower).next().expect("a tower");
+    assert_eq!(tower.scale.y * Made::Tower.height(), 118.0);
+    assert_eq!((made(Made::Tram).count(), made(Made::Kiosk).count()), (2, 1));
+    assert!(made(Made::Fountain).count() > 0 && made(Made::Cafe).count() > 3);
     for (what, least) in [("lamp", 200), ("bench", 20), ("car", 200), ("tree", 300)] {
         let count = scenery
             .placements
             .iter()
             .filter(|p| match p.model {
-                Model::Lamp => what == "lamp",
-                Model::Bench => what == "bench",
-                Model::Car(_) => what == "car",
+                Model::Made(Made::Lamp | Made::OldLamp) => what == "lamp",
+                Model::Made(Made::Bench) => what == "bench",
+                Model::Made(Made::Hatchback | Made::Estate | Made::Lorry) => what == "car",
                 Model::Plant(species, _) => what == "tree" && species.is_tree(),
                 _ => false,
             })

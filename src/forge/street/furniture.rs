@@ -339,15 +339,15 @@ fn kiosk(level: u32) -> Pieces {
                 5,
             );
         }
-        // A stand with more papers beside the counter.
-        solid.paint(DARK_STEEL);
-        solid.block(Vec3::new(2.15, 0.6, 1.0), Vec3::new(0.5, 1.2, 0.06));
-        solid.picture(
-            wall(Vec3::new(2.15, 0.72, 1.036), Vec3::X, Vec2::new(0.22, 0.44)),
-            PAPERS.0,
-            PAPERS.1,
-        );
     }
+    // A stand with more papers beside the counter.
+    solid.paint(DARK_STEEL);
+    solid.block(Vec3::new(2.15, 0.6, 1.0), Vec3::new(0.5, 1.2, 0.06));
+    solid.picture(
+        wall(Vec3::new(2.15, 0.72, 1.036), Vec3::X, Vec2::new(0.22, 0.44)),
+        PAPERS.0,
+        PAPERS.1,
+    );
     pieces
 }
 

@@ -5,6 +5,7 @@
 //! palette: one picture of plain colours, signs and prints     ──►
 //! ```
 
+mod cabin;
 mod cars;
 mod fountain;
 mod furniture;
@@ -12,6 +13,7 @@ mod lamps;
 mod palette;
 mod solid;
 mod tower;
+mod tram;
 
 use self::solid::Solid;
 use super::{
@@ -20,7 +22,7 @@ use super::{
 };
 
 /// The files of this room.
-pub(super) const RECIPES: [Recipe; 4] = [
+pub(super) const RECIPES: [Recipe; 6] = [
     Recipe {
         name: "street",
         about: "street furniture: lamps, benches, bins, signs, a kiosk, café tables",
@@ -40,6 +42,16 @@ pub(super) const RECIPES: [Recipe; 4] = [
         name: "fountain",
         about: "a fountain with two bowls in a basin",
         make: fountain::forge,
+    },
+    Recipe {
+        name: "tram",
+        about: "a tram of two cars with a pantograph",
+        make: tram::forge,
+    },
+    Recipe {
+        name: "cabin",
+        about: "a log cabin, posts and split rails of a fence",
+        make: cabin::forge,
     },
 ];
 

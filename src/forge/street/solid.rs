@@ -178,8 +178,14 @@ impl Solid {
         self.face(second);
     }
 
-    /// A round bar along points, without caps where `radius` is 0.
+    /// A round bar along points with their radii; it ends in a point where the radius is 0.
     pub(super) fn tube(&mut self, points: &[(Vec3, f32)], sides: u32) {
+        let ends = self.swatch;
+        self.sawn(points, sides, ends);
+    }
+
+    /// The same with ends of another colour.
+    pub(super) fn sawn(&mut self, points: &[(Vec3, f32)], sides: u32, ends: Vec2) {
         self.apart();
         let mut right = Vec3::ZERO;
         let mut rings: Vec<Vec<Vec3>> = Vec::with_capacity(points.len());
@@ -193,7 +199,7 @@ impl Solid {
             rings.push(ring.collect());
         }
         self.skin(&rings);
-        self.lids(&rings);
+        self.paint(ends).lids(&rings);
     }
 
     /// A thin three-sided bar without ends, for what is seen from far away.

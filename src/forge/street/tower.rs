@@ -212,6 +212,7 @@ fn deck(solid: &mut Solid, y: f32, level: u32) {
     let reach = half(y) + 1.4;
     solid.paint(TOWER);
     solid.block(Vec3::Y * (y + 0.45), Vec3::new(2.0 * reach, 0.18, 2.0 * reach));
+    solid.soft();
     for k in 0..4 {
         let at = quarter(k);
         let (left, right) = (at(-reach, y, reach), at(reach, y, reach));
@@ -246,6 +247,7 @@ fn deck(solid: &mut Solid, y: f32, level: u32) {
             solid.beam(up(left, h), up(right, h), Vec2::splat(0.06), Vec3::Y);
         }
     }
+    solid.sharp();
     if level < 2 {
         // A cabin in the middle.
         solid.paint(DARK_STEEL);
