@@ -96,8 +96,8 @@ impl Day {
     /// Hours of the day in a second of play: from sunrise to sunset in one and a half minutes at most.
     pub const HOURS_PER_SECOND: f32 = 1.0 / 6.0;
 
-    /// The hour `seconds` after `hour`; after the hour at which the sun sinks below what keys reach comes the one at which
-    /// it rises above it. `None` on days on which it never does.
+    /// The hour `seconds` after `hour`; after the hour at which the sun sinks below what keys reach comes the one at
+    /// which it rises above it. `None` on days on which it never does.
     #[must_use]
     pub fn after(course: &DayCourse, hour: f32, seconds: f32) -> Option<f32> {
         let (rise, set) = course.hours_above(SunAngles::MIN_ELEVATION)?;

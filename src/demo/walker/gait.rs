@@ -42,9 +42,9 @@ impl Gait {
     }
 }
 
-/// Share of the speed that is left in walking towards `direction` (x, z; at most of unit length) on ground with this unit
-/// normal. Falls off exponentially with the rise, as in W. Tobler's hiking function (1993), but more gently: this is a
-/// game; downhill nobody gets faster.
+/// Share of the speed that is left in walking towards `direction` (x, z; at most of unit length) on ground with this
+/// unit normal. Falls off exponentially with the rise, as in W. Tobler's hiking function (1993), but more gently: this
+/// is a game; downhill nobody gets faster.
 pub(super) fn uphill(normal: Vec3, direction: Vec2) -> f32 {
     let rise = -normal.xz().dot(direction) / normal.y.max(0.1);
     (-UPHILL * rise.max(0.0)).exp()

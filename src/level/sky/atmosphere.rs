@@ -2,8 +2,8 @@
 //!
 //! S. Hillaire, "A Scalable and Production Ready Sky and Atmosphere Rendering Technique", EGSR 2020, on the processor:
 //! density profiles and coefficients of its table 1, the transmittance table of E. Bruneton, "Precomputed Atmospheric
-//! Scattering" (2017 implementation), multiple scattering by equations 5 to 10. Aerosols are given by their optical depth, as
-//! weather stations measure it. Lengths are kilometres, as altitudes need them; spectra are linear RGB.
+//! Scattering" (2017 implementation), multiple scattering by equations 5 to 10. Aerosols are given by their optical
+//! depth, as weather stations measure it. Lengths are kilometres, as altitudes need them; spectra are linear RGB.
 
 use std::f64::consts::PI;
 
@@ -49,8 +49,8 @@ pub struct Atmosphere {
     scattering: Table,
 }
 
-/// Light that comes in along a ray for one unit of sunlight above the air, without the phase functions: multiply each by
-/// its own. Linear RGB, per steradian.
+/// Light that comes in along a ray for one unit of sunlight above the air, without the phase functions: multiply each
+/// by its own. Linear RGB, per steradian.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inscattering {
     /// Scattered once by air: times [`rayleigh_phase`].
@@ -120,8 +120,8 @@ fn distance_to_ground(r: f64, mu: f64) -> Option<f64> {
 }
 
 impl Atmosphere {
-    /// Air with aerosols of this optical depth straight up: 0.02 over mountains, 0.1 on a clear day in the lowlands, 0.4 in
-    /// haze.
+    /// Air with aerosols of this optical depth straight up: 0.02 over mountains, 0.1 on a clear day in the lowlands,
+    /// 0.4 in haze.
     #[must_use]
     pub fn new(aerosol_depth: f64) -> Self {
         let empty = Table {
@@ -144,8 +144,8 @@ impl Atmosphere {
         atmosphere
     }
 
-    /// Share of light that arrives at radius `r` from outside the air, from the zenith cosine `mu`; 0 where the planet is
-    /// in the way. The planet's edge is as soft as the sun is wide.
+    /// Share of light that arrives at radius `r` from outside the air, from the zenith cosine `mu`; 0 where the planet
+    /// is in the way. The planet's edge is as soft as the sun is wide.
     #[must_use]
     pub fn transmittance(&self, r: f64, mu: f64) -> DVec3 {
         let horizon = -(1.0 - (GROUND_RADIUS / r).powi(2)).max(0.0).sqrt();
@@ -160,8 +160,8 @@ impl Atmosphere {
         self.transmittance.sample(uv) * visible
     }
 
-    /// What comes in from the unit direction `view` to an eye at `altitude` when the sun is in the unit direction `to_sun`;
-    /// y is up. Rays that meet the ground end there.
+    /// What comes in from the unit direction `view` to an eye at `altitude` when the sun is in the unit direction
+    /// `to_sun`; y is up. Rays that meet the ground end there.
     #[must_use]
     pub fn inscattering(&self, altitude: f64, view: DVec3, to_sun: DVec3) -> Inscattering {
         let r = GROUND_RADIUS + altitude.max(0.001);
@@ -253,8 +253,8 @@ impl Atmosphere {
     }
 }
 
-/// How much one step adds per unit of what is scattered in it, with the exact integral over the step, and what passes to
-/// the next one (Hillaire 2015, "Physically based and unified volumetric rendering in Frostbite").
+/// How much one step adds per unit of what is scattered in it, with the exact integral over the step, and what passes
+/// to the next one (Hillaire 2015, "Physically based and unified volumetric rendering in Frostbite").
 fn step_weight(extinction: DVec3, step: f64, through: DVec3) -> (DVec3, DVec3) {
     let passed = through * (-extinction * step).exp();
     ((through - passed) / extinction.max(DVec3::splat(1e-12)), passed)

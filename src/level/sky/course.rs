@@ -1,8 +1,9 @@
 //! [`DayCourse`]: where the sun stands at an hour of a day at a latitude.
 //!
 //! Declination by J. W. Spencer, "Fourier series representation of the position of the sun", Search 2(5), 1971 (within
-//! 0.01 degrees); the rest is spherical trigonometry, as in NOAA's "General solar position calculations". Hours are local solar time: the sun
-//! stands highest at 12. Without refraction, which lifts a sun on the horizon by half a degree.
+//! 0.01 degrees); the rest is spherical trigonometry, as in NOAA's "General solar position calculations". Hours are
+//! local solar time: the sun stands highest at 12. Without refraction, which lifts a sun on the horizon by half a
+//! degree.
 
 use std::f32::consts::TAU;
 
@@ -34,8 +35,8 @@ impl DayCourse {
             + 0.001_48 * sin_3
     }
 
-    /// The unit direction in which sunlight travels at an hour (0..24; others are taken around the clock): +x is east, −z
-    /// north, y up. It points upwards at night.
+    /// The unit direction in which sunlight travels at an hour (0..24; others are taken around the clock): +x is east,
+    /// −z north, y up. It points upwards at night.
     #[must_use]
     pub fn light_dir(&self, hour: f32) -> Vec3 {
         let (sin_latitude, cos_latitude) = self.latitude_deg.to_radians().sin_cos();
@@ -47,8 +48,8 @@ impl DayCourse {
         -Vec3::new(east, up, -north)
     }
 
-    /// The hours between which the sun's middle stands higher than `elevation` radians; `None` where it never does. Where
-    /// it always does: 0 and 24.
+    /// The hours between which the sun's middle stands higher than `elevation` radians; `None` where it never does.
+    /// Where it always does: 0 and 24.
     #[must_use]
     pub fn hours_above(&self, elevation: f32) -> Option<(f32, f32)> {
         let (sin_latitude, cos_latitude) = self.latitude_deg.to_radians().sin_cos();
@@ -144,8 +145,8 @@ mod tests {
         }
     }
 
-    /// At 48 degrees north, the longest day: cos of the half day is −tan 48° tan 23.44°, half a day is 7.92 hours; the sun
-    /// rises at the azimuth whose cosine is sin 23.44° ÷ cos 48°, 53.5 degrees.
+    /// At 48 degrees north, the longest day: cos of the half day is −tan 48° tan 23.44°, half a day is 7.92 hours; the
+    /// sun rises at the azimuth whose cosine is sin 23.44° ÷ cos 48°, 53.5 degrees.
     #[test]
     fn the_longest_day_is_as_long_as_worked_out() {
         let course = course(48.0, JUNE_SOLSTICE);

@@ -19,7 +19,8 @@ const EYE: f64 = 0.3;
 const GROUND_ALBEDO: DVec3 = DVec3::new(0.16, 0.15, 0.10);
 /// Share of the ground in sight that the sun reaches.
 const SUNLIT_GROUND: f64 = 0.5;
-/// Half of the angle under which the drawn sun is seen, in radians: wider than the true one, which a texel could not hold.
+/// Half of the angle under which the drawn sun is seen, in radians: wider than the true one, which a texel could not
+/// hold.
 const DISC: [f64; 2] = [0.010, 0.030];
 /// Columns (azimuth from the sun) and rows (elevation) of the table.
 const COLUMNS: usize = 9;

@@ -20,8 +20,8 @@ const COMPENSATION: f64 = 1.8;
 /// The camera opens no wider than this, in a night that shall look like one.
 const DARKEST_EV100: f64 = 7.0;
 
-/// The exposure value at ISO 100 for a scene under this sky: what a meter says of the light on level and upright surfaces,
-/// followed in part.
+/// The exposure value at ISO 100 for a scene under this sky: what a meter says of the light on level and upright
+/// surfaces, followed in part.
 #[must_use]
 pub fn ev100(dome: &Dome, sun_height: f64) -> f64 {
     // Things under a low sun stand in its light although the ground hardly does: the mean over all sides is a quarter.
@@ -32,9 +32,9 @@ pub fn ev100(dome: &Dome, sun_height: f64) -> f64 {
     followed.max(DARKEST_EV100)
 }
 
-/// What a camera with `Tonemapping::AcesFitted` makes of an exposed linear colour: the sky is drawn after this curve, because
-/// cameras without high dynamic range apply it to materials only. S. Hill's fit of the ACES reference and output transforms,
-/// as in Bevy's `tonemapping_shared.wgsl`.
+/// What a camera with `Tonemapping::AcesFitted` makes of an exposed linear colour: the sky is drawn after this curve,
+/// because cameras without high dynamic range apply it to materials only. S. Hill's fit of the ACES reference and
+/// output transforms, as in Bevy's `tonemapping_shared.wgsl`.
 #[must_use]
 pub fn aces_fitted(linear: DVec3) -> DVec3 {
     let rows = |matrix: [DVec3; 3], value: DVec3| DVec3::from(matrix.map(|row| row.dot(value)));
@@ -76,8 +76,8 @@ mod tests {
         assert_eq!(last, DARKEST_EV100);
     }
 
-    /// v = 0.18: (0.18 · 0.204579 − 0.0000905) ÷ (0.18 · 0.610022 + 0.238081) = 0.0367337 ÷ 0.347885 = 0.105591; the rows of
-    /// both matrices sum to 1 (within 0.0001).
+    /// v = 0.18: (0.18 · 0.204579 − 0.0000905) ÷ (0.18 · 0.610022 + 0.238081) = 0.0367337 ÷ 0.347885 = 0.105591; the
+    /// rows of both matrices sum to 1 (within 0.0001).
     #[test]
     fn grey_goes_through_the_tone_curve_as_worked_out() {
         let grey = aces_fitted(DVec3::splat(0.18));

@@ -7,9 +7,10 @@
 //! ```
 //!
 //! All of it is worked out on the processor when the sun has moved, so a frame costs the GPU no more than a cube map.
-//! Bevy's own `Atmosphere` computes the same model in every frame on the GPU: several look-up passes, and a target of high
-//! dynamic range, which shots and demo otherwise do without. With Bevy 0.19.1 its passes end the process with a segmentation
-//! fault on llvmpipe (LLVM 15), the software adapter that draws Umbrage's pictures and tests, so it is not used.
+//! Bevy's own `Atmosphere` computes the same model in every frame on the GPU: several look-up passes, and a target of
+//! high dynamic range, which shots and demo otherwise do without. With Bevy 0.19.1 its passes end the process with a
+//! segmentation fault on llvmpipe (LLVM 15), the software adapter that draws Umbrage's pictures and tests, so it is not
+//! used.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -22,18 +23,17 @@ use bevy::{
     render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension},
 };
 
-use super::{
-    format::{Air, SunSettings},
-    load::{LevelEntity, Sun},
-};
+use super::load::{LevelEntity, Sun};
 
 pub mod atmosphere;
 pub mod course;
 pub mod dome;
 pub mod exposure;
+pub mod settings;
 
 use atmosphere::Atmosphere;
 use dome::{Dome, LUMA, cube_directions, srgb_bytes};
+use settings::{Air, SunSettings};
 
 /// On cameras that see a level's sky: they get its picture, its fog, its light and its exposure.
 ///
