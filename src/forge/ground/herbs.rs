@@ -56,7 +56,7 @@ fn strip(mesh: &mut Mesh, strip: &Strip) {
                 normal,
                 uv: Vec2::new(u, v),
                 tangent: right,
-                shade: strip.tone * mix(0.55, 1.0, share.min(0.5) * 2.0),
+                shade: strip.tone * mix(0.72, 1.0, share.min(0.5) * 2.0),
             })
         });
         if let Some([left, right]) = before {
@@ -173,8 +173,8 @@ pub fn grass() -> Model {
     let mut model = Model::default();
     let mut patch_variants = Vec::new();
     for (letter, seed, size, ears, color) in [
-        ('a', 91, 0.42, false, [0.095, 0.185, 0.035]),
-        ('b', 92, 0.85, true, [0.125, 0.185, 0.045]),
+        ('a', 91, 0.42, false, [0.15, 0.25, 0.06]),
+        ('b', 92, 0.85, true, [0.19, 0.25, 0.075]),
     ] {
         let sprig = Sprig::Blades {
             color,
