@@ -54,8 +54,8 @@ pub(super) fn walk(joints: &[Joint]) -> Clip {
                 joints,
                 side,
                 sign,
-                0.36 * sign * front - 0.04,
-                -0.30 + 0.16 * sign * front,
+                0.27 * sign * front - 0.02,
+                -0.14 + 0.09 * sign * front,
             );
         }
         let height = -0.042 - 0.020 * wave(2.0 * phase, 0.12);
