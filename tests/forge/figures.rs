@@ -231,7 +231,7 @@ fn feet_stay_above_the_ground_and_do_not_slide() {
             for step in 0..steps {
                 let here = trace[step];
                 assert!(here.y > -0.006, "{name} {joint}: {here} at {step}");
-                if here.y < 0.003 {
+                if here.y < 0.0015 {
                     on_ground += 1;
                     // Where the body goes, a foot on the ground stays behind.
                     let in_world = (here + Vec3::Z * (ahead * step as f32)).with_y(0.0);
@@ -240,6 +240,12 @@ fn feet_stay_above_the_ground_and_do_not_slide() {
                     landed = None;
                 }
             }
+            let lands = |step: &usize| {
+                let before = trace[(step + steps - 1) % steps];
+                before.y >= 0.0015 && trace[*step].y < 0.0015
+            };
+            let landings = (0..steps).filter(lands).count();
+            assert_eq!(landings, 1, "{name} {joint}: touches the ground once in a cycle");
             // Heel and ball touch the ground in turn; hooves all the time that the leg stands.
             assert!(on_ground > steps / 4, "{name} {joint}: {on_ground} of {steps}");
             assert!(slid < 0.01, "{name} {joint}: slides {slid} m while on the ground");

@@ -26,7 +26,9 @@ const ELBOWS: f32 = 0.4;
 /// Radius of the way round a block's corner in metres.
 const CORNER: f32 = 1.2;
 /// Ways that are tried for one deer.
-const TRIES: usize = 60;
+const TRIES: usize = 200;
+/// Distance between the ways of two deer in metres: each is 2 m long and turns about its middle.
+const BODY: f32 = 2.2;
 
 /// Colours of coats and jackets.
 const CLOTHES: [[u8; 3]; 8] = [
@@ -108,7 +110,7 @@ fn area(
 ) {
     for _ in 0..rule.count {
         for _ in 0..TRIES {
-            let round = rng.random_range(0.12..0.3) * radius;
+            let round = rng.random_range(0.2..0.33) * radius;
             let middle = center
                 + Vec2::from_angle(rng.random_range(0.0..std::f32::consts::TAU))
                     * (radius - 1.3 * round)
@@ -121,7 +123,7 @@ fn area(
             let Some(route) = Route::new(points.collect()) else {
                 continue;
             };
-            let apart = |other: &Plan| other.route.at(0.0).distance(middle) > 2.6 * round + 1.5;
+            let apart = |other: &Plan| other.route.gap(&route) > BODY;
             if !is_free(&route, ground) || !plans.iter().all(apart) {
                 continue;
             }
@@ -263,7 +265,7 @@ mod tests {
                 let at = |plan: &Plan| plan.route.at(plan.pace.at(f64::from(t)).metres);
                 assert!(at(plan).distance(center) <= 12.0, "{}", at(plan));
                 assert!(at(plan).distance(center) > 0.4, "the pole is in the way");
-                assert!(plans[..i].iter().all(|other| at(other).distance(at(plan)) > 1.0));
+                assert!(plans[..i].iter().all(|other| at(other).distance(at(plan)) > 2.0));
             }
         }
     }

@@ -71,6 +71,15 @@ impl Route {
         )
     }
 
+    /// Shortest distance between the corners of two ways.
+    pub fn gap(&self, other: &Self) -> f32 {
+        let pairs = self
+            .points
+            .iter()
+            .flat_map(|p| other.points.iter().map(|q| p.distance(*q)));
+        pairs.fold(f32::MAX, f32::min)
+    }
+
     /// Unit direction of the way there.
     pub fn direction(&self, metres: f32) -> Vec2 {
         (self.at(metres + LOOK) - self.at(metres - LOOK)).normalize_or(Vec2::Y)

@@ -36,7 +36,8 @@ pub(in crate::level) fn spawn(
         let file = plan.asset.file;
         if !casts.iter().any(|(known, _)| *known == file) {
             let cast = library.rig(file).and_then(|rig| Cast::new(rig, graphs));
-            if cast.is_none() {
+            // A file that is not there has its sentence already.
+            if cast.is_none() && library.shape(plan.asset).is_some() {
                 notes.push(format!(
                     "models/{file}.glb has no figure with the clip walk and another one: its inhabitants stay away"
                 ));

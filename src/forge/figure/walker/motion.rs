@@ -23,7 +23,7 @@ const BALL_Z: f32 = 0.10;
 /// Heel strike, roll-off over the ball, swing; the arms go against the legs.
 pub(super) fn walk(joints: &[Joint]) -> Clip {
     let step = Step {
-        metres: 1.36,
+        metres: 1.28,
         duty: 0.61,
         lift: 0.045,
         peak: 0.30,
@@ -54,11 +54,11 @@ pub(super) fn walk(joints: &[Joint]) -> Clip {
                 joints,
                 side,
                 sign,
-                0.36 * sign * front - 0.04,
-                -0.30 + 0.16 * sign * front,
+                0.27 * sign * front - 0.02,
+                -0.14 + 0.09 * sign * front,
             );
         }
-        let height = -0.036 - 0.020 * wave(2.0 * phase, 0.12);
+        let height = -0.042 - 0.020 * wave(2.0 * phase, 0.12);
         pose.root += Vec3::new(0.020 * lean, height, 0.008 * wave(2.0 * phase, 0.5));
         for (side, start) in [("l", 0.0), ("r", 0.5)] {
             let own = phase - start - (phase - start).floor();
@@ -83,7 +83,7 @@ pub(super) fn walk(joints: &[Joint]) -> Clip {
                 &mut pose,
                 joints,
                 side,
-                Vec3::new(0.0, foot.up, foot.forward + 0.02),
+                Vec3::new(0.0, foot.up, foot.forward),
                 bent,
                 heel_up,
             );
