@@ -228,6 +228,51 @@ fn buildings_do_not_stand_in_each_other() {
 }
 
 #[test]
+fn fronts_look_to_streets_and_blind_walls_to_close_neighbours() {
+    let scenery = generate(&level("city"));
+    let buildings: Vec<_> = scenery
+        .placements
+        .iter()
+        .filter_map(|p| match p.model {
+            Model::Building(building) => {
+                let (width, depth) = building.plan();
+                let half = p.rotation * Vec3::new(0.5 * width, 0.0, 0.5 * depth);
+                Some((p, building, Vec2::new(half.x, half.z).abs()))
+            }
+            _ => None,
+        })
+        .collect();
+    let mut blind = 0;
+    for (own, building, half) in &buildings {
+        // Metres of air in a direction, up to the next building.
+        let air = |direction: Vec3| {
+            let d = Vec2::new(direction.x, direction.z);
+            let gaps = buildings.iter().filter_map(|(other, _, other_half)| {
+                let (offset, reach) = (plan(other) - plan(own), *half + *other_half);
+                let (ahead, aside) = (offset.dot(d), offset.dot(d.perp()).abs());
+                let is_ahead = ahead > 1.0 && aside < reach.dot(d.perp().abs()) - 0.5;
+                is_ahead.then(|| ahead - reach.dot(d.abs()))
+            });
+            gaps.fold(f32::MAX, f32::min)
+        };
+        let (front, right) = (own.rotation * Vec3::Z, own.rotation * Vec3::X);
+        assert!(air(front) > 12.0, "{:?} has {} m before it", own.position, air(front));
+        for (is_blind, side) in [(building.blind.0, right), (building.blind.1, -right)] {
+            if is_blind {
+                blind += 1;
+                assert!(
+                    air(side) < 2.0,
+                    "{:?}: a blind wall with {} m of air",
+                    own.position,
+                    air(side)
+                );
+            }
+        }
+    }
+    assert!(blind > 100, "{blind} blind walls");
+}
+
+#[test]
 fn a_walker_is_stopped_by_trunks_walls_and_fences() {
     for (name, least) in [
         ("forest", 2000),
