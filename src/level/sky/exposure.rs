@@ -13,7 +13,7 @@ const METER: f64 = 12.5;
 /// Exposure value for a high sun, where the curve is fixed: the "sunny 16" rule.
 const SUNLIGHT_EV100: f64 = 15.0;
 /// Share of a change of light that the camera follows: a low sun is darker than noon, as the eye remembers it.
-const ADAPTATION: f64 = 0.92;
+const ADAPTATION: f64 = 0.85;
 /// Steps by which pictures are brighter than the meter says: the tone curve darkens the middle, and shadows shall be
 /// readable.
 const COMPENSATION: f64 = 1.8;

@@ -32,8 +32,8 @@ pub struct SunSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Air {
-    /// Optical depth of dust and droplets straight up: 0.02 over mountains, 0.1 on a clear day, 0.4 in haze. More makes
-    /// the sun weaker and the sky around it paler.
+    /// Optical depth of dust and droplets straight up, in green light: 0.02 over mountains, 0.1 on a clear day, 0.4 in
+    /// haze. More makes the sun weaker and the sky around it paler.
     pub aerosol_depth: f32,
     /// How far one sees through the haze near the ground, in metres: there a dark thing has lost 95 % of its contrast.
     pub visibility: f32,
