@@ -1,4 +1,4 @@
-//! Plain meshes of made things: a fence, railings, wires. What is worth a closer look has a file ([`Made`](super::made)).
+//! Plain meshes of made things: a fence, wires. What is worth a closer look has a file ([`Made`](super::made)).
 
 use bevy_math::Vec3;
 
@@ -20,22 +20,6 @@ pub fn fence_rails() -> MeshData {
         mesh.push_box(Vec3::new(0.5, y, 0.0), Vec3::new(1.0, 0.08, 0.035), [0.29, 0.2, 0.115]);
     }
     mesh
-}
-
-/// A railing of thin bars between two points of the same height: two long bars, uprights about every 0.5 m but none
-/// at the end, where the next railing begins.
-pub fn push_railing(mesh: &mut MeshData, from: Vec3, to: Vec3, height: f32, color: Rgb) {
-    let uprights = ((to - from).length() / 0.5).ceil().max(1.0) as u32;
-    for i in 0..uprights {
-        let foot = from + (to - from) * (i as f32 / uprights as f32);
-        mesh.push_bar(foot - Vec3::Y * 0.05, foot + Vec3::Y * height, 0.025, color);
-    }
-    // Short of the corners, so that the bars of two railings do not share faces.
-    let trim = (to - from).normalize_or_zero() * 0.021;
-    let (from, to) = (from + trim, to - trim);
-    for y in [0.5 * height, height] {
-        mesh.push_bar(from + Vec3::Y * y, to + Vec3::Y * y, 0.04, color);
-    }
 }
 
 /// A wire that sags between two points, as a parabola of round bars.

@@ -18,6 +18,9 @@ use crate::level::{
 /// Distance of lamps from each other along a kerb in metres; they alternate with those on the other side.
 const LAMPS_APART: f32 = 25.0;
 
+/// Distance of street trees from the kerb: like all that stands along it, they leave room for people from 1.35 m on.
+const TREES: f32 = 1.0;
+
 /// Something on a pavement.
 pub(super) fn put(made: Made, at: Vec2, heading: f32) -> Placement {
     Placement::upright(Model::Made(made), on_pavement(at), heading)
@@ -67,7 +70,8 @@ pub(super) fn furnish(rng: &mut ChaCha8Rng, city: &City, block: &Block, placemen
             placements.push(put(lamp, at(lamp_at(i as f32), 0.5), pointing(out)));
         }
         let near_lamp = |m: f32| (0..lamps as u32).any(|i| (lamp_at(i as f32) - m).abs() < 1.8);
-        if avenue || rng.random_bool(0.5) {
+        let planted = avenue || rng.random_bool(0.5);
+        if planted {
             let species = any(rng, &[Species::Birch, Species::Beech, Species::Oak]);
             let scale = if species == Species::Oak { 0.62 } else { 0.56 };
             let trees = (length / 9.0).floor() as u32;
@@ -76,11 +80,11 @@ pub(super) fn furnish(rng: &mut ChaCha8Rng, city: &City, block: &Block, placemen
                 if near_lamp(m) || near_wire_pole(m, length, avenue, out) {
                     continue;
                 }
-                placements.push(put(Made::Grate, at(m, 1.3), pointing(out)));
-                placements.push(tree(rng, species, at(m, 1.3), scale));
+                placements.push(put(Made::Grate, at(m, TREES), pointing(out)));
+                placements.push(tree(rng, species, at(m, TREES), scale));
             }
         }
-        small_things(rng, &at, (along, out, length), avenue, placements);
+        small_things(rng, &at, (along, out, length), planted, placements);
     }
 }
 
@@ -94,7 +98,7 @@ fn small_things(
     rng: &mut ChaCha8Rng,
     at: &impl Fn(f32, f32) -> Vec2,
     (along, out, length): (Vec2, Vec2, f32),
-    avenue: bool,
+    planted: bool,
     placements: &mut Vec<Placement>,
 ) {
     placements.push(put(Made::StreetName, at(0.7, 0.7), facing(out)));
@@ -108,15 +112,16 @@ fn small_things(
         let m = rng.random_range(0.35..0.65) * length;
         placements.push(put(Made::Bin, at(m, 0.55), 0.0));
     }
-    if rng.random_bool(if avenue { 0.8 } else { 0.25 }) {
-        let first = rng.random_range(0.15..0.75) * length;
-        for i in 0..rng.random_range(2..6) {
-            let p = at(first + 0.7 * i as f32, 2.6);
-            placements.push(put_tinted(Made::Bicycle, p, facing(out), any(rng, &FRAMES)));
+    // Bicycles stand where trees do not.
+    if !planted && rng.random_bool(0.6) {
+        let first = rng.random_range(0.35..0.6) * length;
+        for i in 0..rng.random_range(2..5) {
+            let p = at(first + 1.95 * i as f32, 0.8);
+            placements.push(put_tinted(Made::Bicycle, p, facing(along), any(rng, &FRAMES)));
         }
     }
     if rng.random_bool(0.12) {
-        placements.push(put(Made::PostBox, at(0.25 * length, 2.9), facing(out)));
+        placements.push(put(Made::PostBox, at(0.22 * length, 0.6), facing(-out)));
     }
 }
 
