@@ -244,8 +244,8 @@ mod tests {
         }
     }
 
-    /// Pairs of axis-aligned, equally facing quadrilaterals in one plane whose rectangles overlap by more than what is
-    /// hidden in walls, but for undersides below ground.
+    /// Pairs of axis-aligned, equally facing rectangles in one plane that overlap by more than what is hidden in walls,
+    /// but for undersides below ground.
     fn overlapping_faces(mesh: &MeshData) -> Vec<[Vec3; 4]> {
         let mut faces: Vec<(usize, f32, Vec3, Vec3)> = Vec::new();
         for quad in mesh
@@ -260,7 +260,12 @@ mod tests {
                 .iter()
                 .fold((corners[0], corners[0]), |(a, b), p| (a.min(*p), b.max(*p)));
             let below = max.y < 0.0;
-            if let (Some(axis), false) = (axis, below) {
+            // The four parts of a wall around a hole are no rectangles: they meet at slanted edges.
+            let [a, b, c, d] = corners;
+            let (area, extent) = (0.5 * (c - a).cross(d - b).length(), max - min);
+            let around = extent.x * extent.y + extent.y * extent.z + extent.z * extent.x;
+            let is_rectangle = (area - around).abs() < 1e-3 * around;
+            if let (Some(axis), false, true) = (axis, below, is_rectangle) {
                 let side = if normal[axis] > 0.0 { axis } else { axis + 3 };
                 faces.push((side, min[axis], min, max));
             }

@@ -234,7 +234,7 @@ fn pierced(brush: &mut Brush, wall: Wall, style: Style, storey: Storey, bay: Bay
             block((l.x - 0.3, h.x + 0.3), (-0.1, l.y), 0.45, atlas::STONE);
             block((l.x - 0.2, h.x + 0.2), (h.y, h.y + 0.18), 0.12, atlas::STONE);
             for (x0, x1) in [(l.x - 0.2, l.x), (h.x, h.x + 0.2)] {
-                block((x0, x1), (l.y, h.y), 0.06, atlas::STONE);
+                block((x0, x1), (l.y, h.y), 0.08, atlas::STONE);
             }
         }
         Bay::Window(_) | Bay::Balcony(_) => match style {
@@ -264,8 +264,8 @@ fn pierced(brush: &mut Brush, wall: Wall, style: Style, storey: Storey, bay: Bay
                     let (low, high) = wall.reach;
                     let foot = if storey == Storey::Ground { l.y } else { low };
                     brush.block(
-                        Vec3::new(x - 0.06, foot, -0.28),
-                        Vec3::new(x + 0.06, high, 0.16),
+                        Vec3::new(x - 0.06, foot, -0.17),
+                        Vec3::new(x + 0.06, high - 0.01, 0.16),
                         atlas::ZINC,
                     );
                 }
@@ -273,7 +273,7 @@ fn pierced(brush: &mut Brush, wall: Wall, style: Style, storey: Storey, bay: Bay
             Style::Ribbon => {
                 for k in 1..4 {
                     let x = l.x + 0.25 * k as f32 * (h.x - l.x);
-                    let foot = Vec3::new(x, l.y - 0.02, -0.16);
+                    let foot = Vec3::new(x, l.y - 0.02, -0.12);
                     brush.bar(foot, foot.with_y(h.y + 0.02), 0.06, atlas::IRON);
                 }
             }
@@ -311,8 +311,8 @@ fn hole(style: Style, storey: Storey, bay: Bay) -> Hole {
                 Style::Brick => place(1.3, 0.9, 2.55, 0.18, (look + 1) % 4),
                 Style::House => place(1.2, 0.85, 2.2, 0.14, (look + 2) % 4),
                 Style::Concrete => place(1.8, 0.95, 2.4, 0.14, 6 + look % 2),
-                Style::Office => place(width - 0.3, 0.7, 3.0, 0.3, 8 + look % 2),
-                Style::Ribbon => place(width - 0.2, 0.95, 2.6, 0.24, 9 - look % 2),
+                Style::Office => place(width - 0.4, 0.7, 3.0, 0.19, 8 + look % 2),
+                Style::Ribbon => place(width - 0.4, 0.95, 2.6, 0.19, 9 - look % 2),
             }
         }
     }

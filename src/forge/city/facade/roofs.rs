@@ -78,10 +78,10 @@ fn cornice(brush: &mut Brush, size: Vec2, bands: &[(f32, f32, f32)], strip: Stri
     for (foot, top, out) in bands {
         for (number, side) in Side::around(size).into_iter().enumerate() {
             // Front and back reach over the corners, the others butt against them.
-            let over = if number % 2 == 0 { *out } else { -0.05 };
+            let over = if number % 2 == 0 { *out } else { -0.07 };
             let mut band = Brush::default();
             band.block(
-                Vec3::new(-over, *foot, -0.05),
+                Vec3::new(-over, *foot, -0.07),
                 Vec3::new(side.length + over, *top, *out),
                 strip,
             );
