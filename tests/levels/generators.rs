@@ -94,12 +94,12 @@ fn the_forest_has_its_trees_in_all_kinds() {
     let posts = scenery
         .placements
         .iter()
-        .filter(|p| p.model == Model::FencePost)
+        .filter(|p| p.model == Model::Made(Made::SplitPost))
         .count();
     let rails = scenery
         .placements
         .iter()
-        .filter(|p| p.model == Model::FenceRails)
+        .filter(|p| p.model == Model::Made(Made::SplitRails))
         .count();
     assert!(posts >= 100 && rails >= posts * 9 / 10, "{posts} posts, {rails} rails");
     assert!(scenery.placements.iter().any(|p| p.model == Model::Made(Made::Hut)));
