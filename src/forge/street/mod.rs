@@ -12,6 +12,7 @@ mod furniture;
 mod lamps;
 mod palette;
 mod solid;
+mod stalls;
 mod tower;
 mod tram;
 
