@@ -113,7 +113,7 @@ impl Made {
             Self::Grate => ("street", 17, 0.03, Foot::Free),
             Self::Pot => ("street", 18, 0.6, Foot::Round(0.43)),
             Self::Railing => ("street", 19, 1.2, Foot::Wall(2.0)),
-            Self::Shelter => ("street", 20, 2.6, Foot::Box(2.05, 0.75)),
+            Self::Shelter => ("street", 20, 2.75, Foot::Box(2.05, 0.75)),
             Self::Hatchback => ("cars", 0, 1.48, Foot::Box(0.88, 2.06)),
             Self::Estate => ("cars", 1, 1.48, Foot::Box(0.91, 2.36)),
             Self::Lorry => ("cars", 2, 2.97, Foot::Box(1.06, 3.15)),

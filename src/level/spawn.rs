@@ -211,7 +211,7 @@ impl Palette {
                     covers
                         .entry(*tiles)
                         .or_insert_with(|| match self.library.cover(*tiles, &mut assets.images) {
-                            Ok(material) => Some(assets.covers.add(material)),
+                            Ok(material) => material.map(|material| assets.covers.add(material)),
                             Err(sentence) => {
                                 self.library.notes.push(sentence);
                                 None

@@ -362,14 +362,21 @@ mod tests {
                 rim_height: 6.0,
                 rim_width: 20.0,
             }),
-            clearings: vec![Clearing {
-                center: Vec2::new(-20.0, 10.0),
-                radius: 12.0,
-                pond: Some(Pond {
-                    radius: 5.0,
-                    depth: 1.0,
-                }),
-            }],
+            clearings: vec![
+                Clearing {
+                    center: Vec2::new(-20.0, 10.0),
+                    radius: 12.0,
+                    pond: None,
+                },
+                Clearing {
+                    center: Vec2::new(30.0, 22.0),
+                    radius: 14.0,
+                    pond: Some(Pond {
+                        radius: 5.0,
+                        depth: 1.0,
+                    }),
+                },
+            ],
             tracks: vec![TrackShape {
                 width: 3.0,
                 points: vec![Vec2::new(-55.0, -20.0), Vec2::new(0.0, 5.0), Vec2::new(50.0, -10.0)],
@@ -434,7 +441,7 @@ mod tests {
     #[test]
     fn a_pond_holds_its_water() {
         let terrain = Terrain::new(&shape(), 3);
-        let clearing = terrain.clearings()[0];
+        let clearing = terrain.clearings()[1];
         let pond = clearing.pond.unwrap();
         let water = terrain.water(&clearing).unwrap();
         let surface = water.positions[0].y;
@@ -459,8 +466,8 @@ mod tests {
             (0..TILES).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap()
         };
         assert_eq!(most(terrain.tracks()[0].points[12]), 2);
-        assert_eq!(most(Vec2::new(-20.0, 10.0)), 2);
-        assert_eq!(most(Vec2::new(-20.0, 20.0)), 1);
+        assert_eq!(most(Vec2::new(30.0, 22.0)), 2);
+        assert_eq!(most(Vec2::new(-20.0, 10.0)), 1);
         assert_eq!(terrain.covers().len(), terrain.tiles().len());
     }
 

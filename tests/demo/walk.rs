@@ -48,9 +48,12 @@ fn wander(name: &str, ground: &Ground, mut walker: Walker, seed: u64) {
     assert!(start_depth < TOUCH, "{}: the start lies {start_depth} m deep", what(0));
     let mut visited = HashSet::new();
     let mut squares_by_minute = Vec::new();
-    let mut way_in_ten_seconds = 0.0;
+    let (mut way_in_ten_seconds, mut way_in_a_second) = (0.0, 1.0);
     for second in 0..SECONDS {
-        let turn = random.random_range(-0.5 * PI..0.5 * PI);
+        // Who was stopped in the last second looks anywhere, others mostly ahead.
+        let widest = if way_in_a_second < 0.3 { PI } else { 0.5 * PI };
+        let turn = random.random_range(-widest..widest);
+        way_in_a_second = 0.0;
         let faster = random.random_bool(0.4);
         let sideways = if random.random_bool(0.2) {
             random.random_range(-1.0..1.0)
@@ -87,6 +90,7 @@ fn wander(name: &str, ground: &Ground, mut walker: Walker, seed: u64) {
             let step = feet.xz().distance(before.xz());
             assert!(step < 0.16, "{}: {step} m in a frame", what(second));
             way_in_ten_seconds += step;
+            way_in_a_second += step;
         }
         visited.insert((walker.feet.xz() / SQUARE).floor().as_ivec2());
         if second % 10 == 9 {

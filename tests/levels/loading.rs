@@ -3,6 +3,7 @@
 use std::{collections::HashMap, fs, path::PathBuf, time::Instant};
 
 use bevy::{
+    animation::AnimationPlugin,
     app::PluginsState,
     camera::{primitives::Aabb, visibility::VisibilityRange},
     gltf::GltfPlugin,
@@ -26,6 +27,7 @@ fn app_with(root: &find::AssetRoot) -> App {
         ImagePlugin::default(),
         WorldSerializationPlugin,
         GltfPlugin::default(),
+        AnimationPlugin,
     ))
     .init_asset::<Mesh>()
     .init_asset::<StandardMaterial>()
@@ -159,12 +161,12 @@ fn a_tree_is_drawn_in_one_level_at_any_distance() {
     let mut app = app_with(&root());
     request(&mut app, "forest:count=40".parse().unwrap());
     wait(&mut app).unwrap();
-    let mut levels: HashMap<[u32; 3], Vec<(f32, f32)>> = HashMap::new();
+    let mut levels: HashMap<[[u32; 3]; 2], Vec<(f32, f32)>> = HashMap::new();
     let mut things = app.world_mut().query::<(&Transform, &VisibilityRange)>();
     for (transform, range) in things.iter(app.world()) {
-        let own = levels
-            .entry(transform.translation.to_array().map(f32::to_bits))
-            .or_default();
+        // A post and the rails that begin at it stand in one place, but differ in scale.
+        let place = [transform.translation, transform.scale].map(|v| v.to_array().map(f32::to_bits));
+        let own = levels.entry(place).or_default();
         own.push((range.start_margin.start, range.end_margin.end));
     }
     assert!(levels.len() > 40, "{} things with levels", levels.len());

@@ -260,25 +260,20 @@ fn bicycle(level: u32) -> Pieces {
     for (from, to, r) in tubes {
         frame.tube(&[(from, r), (to, r)], n);
     }
+    let solid = &mut pieces.plain;
+    solid.paint(BLACK);
+    let bar = head + Vec3::new(0.0, 0.14, -0.03);
+    let grip = |x: f32| (bar + Vec3::new(x, 0.03, -0.12), 0.013);
+    let middle = [(bar - Vec3::X * 0.1, 0.012), (bar + Vec3::X * 0.1, 0.012)];
     if level < 2 {
-        let solid = &mut pieces.plain;
-        solid.paint(BLACK);
-        let bar = head + Vec3::new(0.0, 0.14, -0.03);
-        let grip = |x: f32| (bar + Vec3::new(x, 0.03, -0.12), 0.013);
-        solid.tube(
-            &[
-                grip(-0.28),
-                (bar - Vec3::X * 0.1, 0.012),
-                (bar + Vec3::X * 0.1, 0.012),
-                grip(0.28),
-            ],
-            n,
-        );
+        solid.tube(&[grip(-0.28), middle[0], middle[1], grip(0.28)], n);
         solid.rounded(seat + Vec3::new(0.0, 0.14, -0.04), Vec3::new(0.14, 0.05, 0.25), 0.02);
         solid.paint(CHROME);
         solid.tube(&[(crank - Vec3::X * 0.03, 0.085), (crank + Vec3::X * 0.03, 0.085)], 8);
         solid.block(crank + Vec3::new(0.09, -0.15, 0.03), Vec3::new(0.09, 0.02, 0.07));
         solid.block(crank + Vec3::new(-0.09, 0.15, -0.03), Vec3::new(0.09, 0.02, 0.07));
+    } else {
+        solid.tube(&[grip(-0.28), grip(0.28)], n);
     }
     pieces
 }

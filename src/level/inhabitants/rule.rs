@@ -27,6 +27,9 @@ pub enum Figure {
 }
 
 impl Figure {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Stag, Self::Hind, Self::Walker];
+
     /// Their model file, without extension.
     pub fn file(self) -> &'static str {
         match self {

@@ -29,6 +29,7 @@ pub mod structure;
 
 use super::{
     cover::{self, CoverMaterial},
+    inhabitants::Figure,
     model::{AssetRef, Tint},
 };
 use materials::Look;
@@ -92,16 +93,19 @@ impl Library {
         self.files.get(file)?.rig.as_ref()
     }
 
-    /// The material that covers ground with these tiles of [`cover::FILE`].
+    /// The material that covers ground with these tiles of [`cover::FILE`]; `None` where the file could not be used.
     ///
     /// # Errors
-    /// One sentence: the file could not be used, or lacks a tile.
-    pub fn cover(&self, tiles: [&str; cover::TILES], images: &mut Assets<Image>) -> Result<CoverMaterial, String> {
+    /// One sentence: the file lacks a tile, or its pictures do not fit each other.
+    pub fn cover(
+        &self,
+        tiles: [&str; cover::TILES],
+        images: &mut Assets<Image>,
+    ) -> Result<Option<CoverMaterial>, String> {
         let in_file = |text: String| format!("cannot cover the ground: {FOLDER}/{}.glb {text}", cover::FILE);
-        let file = self
-            .files
-            .get(cover::FILE)
-            .ok_or_else(|| in_file("could not be used".into()))?;
+        let Some(file) = self.files.get(cover::FILE) else {
+            return Ok(None);
+        };
         let find = |name: &str| {
             let look = file.looks.iter().position(|look| look.name == name)?;
             let mut parts = file.shapes.iter().flat_map(|shape| shape.lods.iter().flatten());
@@ -119,7 +123,7 @@ impl Library {
         }
         let found: [cover::Tile; cover::TILES] = found.try_into().map_err(|_| in_file("has too few tiles".into()))?;
         let layers = cover::layers(&found).map_err(in_file)?;
-        Ok(layers.material(images))
+        Ok(Some(layers.material(images)))
     }
 
     /// The material of a part under a tint; the same handle for the same tint.
@@ -257,10 +261,19 @@ impl Loading {
             };
             self.library
                 .notes
-                .push(format!("cannot use {sentence}; a striped box stands in for it"));
+                .push(format!("cannot use {sentence}; {}", stand_in(name)));
         }
         self.total = tasks.len();
         self.pictures = Some(tasks);
+    }
+}
+
+/// What is seen instead of a file.
+fn stand_in(file: &str) -> &'static str {
+    match file {
+        cover::FILE => "plain colours stand in for it",
+        _ if Figure::ALL.iter().any(|figure| figure.file() == file) => "nothing stands in for it",
+        _ => "a striped box stands in for it",
     }
 }
 
