@@ -116,7 +116,7 @@ impl Made {
             Self::Shelter => ("street", 20, 2.75, Foot::Box(2.05, 0.75)),
             Self::Hatchback => ("cars", 0, 1.48, Foot::Box(0.88, 2.06)),
             Self::Estate => ("cars", 1, 1.48, Foot::Box(0.91, 2.36)),
-            Self::Lorry => ("cars", 2, 2.97, Foot::Box(1.06, 3.15)),
+            Self::Lorry => ("cars", 2, 2.97, Foot::Box(1.06, 3.02)),
             Self::Tram => ("tram", 0, 5.6, Foot::Box(1.25, 11.25)),
             Self::Fountain => ("fountain", 0, 4.3, Foot::Round(4.3)),
             // A walker passes between the legs.

@@ -66,16 +66,6 @@ impl MeshData {
         self.indices.extend([a, b, c, a, c, d]);
     }
 
-    /// Adds a textured card whose vertices all have the given normal; seen from both sides, it casts like a solid
-    /// only with a double-sided material.
-    pub fn push_card(&mut self, center: Vec3, half_right: Vec3, half_up: Vec3, normal: Vec3, color: Rgb) {
-        let corner = |x: f32, y: f32| center + half_right * x + half_up * y;
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| self.push_vertex(corner(x, y), normal, color, Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y)));
-        let [a, b, c, d] = corners;
-        self.indices.extend([a, b, c, a, c, d]);
-    }
-
     /// Adds an axis-aligned box.
     pub fn push_box(&mut self, center: Vec3, size: Vec3, color: Rgb) {
         self.push_oriented_box(center, size, Quat::IDENTITY, color);
@@ -194,19 +184,6 @@ impl MeshData {
             let color = std::array::from_fn(|k| colors.0[k] + (colors.1[k] - colors.0[k]) * up);
             self.push_triangle(triangle.map(|i| points[i]), color);
         }
-    }
-
-    /// Adds a gabled roof over a rectangle: `size` is its plan and height; the ridge runs along x.
-    pub fn push_gable(&mut self, foot: Vec3, size: Vec3, color: Rgb, wall: Rgb) {
-        let (x, z) = (size.x * 0.5, size.z * 0.5);
-        let at = |px: f32, py: f32, pz: f32| foot + Vec3::new(px, py, pz);
-        let ridge = [at(-x, size.y, 0.0), at(x, size.y, 0.0)];
-        let [a, b, c, d] = [at(-x, 0.0, -z), at(x, 0.0, -z), at(x, 0.0, z), at(-x, 0.0, z)];
-        self.push_quad([d, c, ridge[1], ridge[0]], color);
-        self.push_quad([b, a, ridge[0], ridge[1]], color);
-        self.push_triangle([c, b, ridge[1]], wall);
-        self.push_triangle([a, d, ridge[0]], wall);
-        self.push_quad([a, b, c, d], wall);
     }
 
     /// Adds another mesh, moved, turned and scaled without mirroring.
@@ -399,9 +376,6 @@ pub(super) mod tests {
         let mut mesh = MeshData::default();
         mesh.push_blob(Vec3::Y, Vec3::new(1.0, 0.7, 1.2), 0.2, 3, (white, white));
         assert_solid(&mesh, "blob");
-        let mut mesh = MeshData::default();
-        mesh.push_gable(Vec3::Y, Vec3::new(8.0, 2.0, 5.0), white, white);
-        assert_solid(&mesh, "gable");
     }
 
     #[test]

@@ -167,10 +167,10 @@ impl Palette {
                 reflectance: 0.25,
                 ..default()
             }),
-            // Dark ground seen through it, and a mirror of the sky.
+            // Dark ground seen through it, and the sky in its ripples: the sky's picture for mirrors is coarse.
             water: assets.materials.add(StandardMaterial {
                 base_color: Color::linear_rgb(0.012, 0.018, 0.014),
-                perceptual_roughness: 0.06,
+                perceptual_roughness: 0.32,
                 reflectance: 0.35,
                 ..default()
             }),

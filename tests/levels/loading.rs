@@ -7,6 +7,7 @@ use bevy::{
     app::PluginsState,
     camera::{primitives::Aabb, visibility::VisibilityRange},
     gltf::GltfPlugin,
+    mesh::skinning::SkinnedMeshInverseBindposes,
     prelude::*,
     world_serialization::WorldSerializationPlugin,
 };
@@ -30,6 +31,7 @@ fn app_with(root: &find::AssetRoot) -> App {
         AnimationPlugin,
     ))
     .init_asset::<Mesh>()
+    .init_asset::<SkinnedMeshInverseBindposes>()
     .init_asset::<StandardMaterial>()
     .add_plugins(LevelPlugin { assets: root.clone() });
     while app.plugins_state() == PluginsState::Adding {

@@ -47,11 +47,11 @@ fn hut(level: u32) -> Pieces {
     gables(solid, level);
     roof(solid, level);
     chimney(solid, level);
+    porch(solid, level);
     if level == 2 {
         return pieces;
     }
     door(solid, level);
-    porch(solid, level);
     for x in [-1.9, 1.9] {
         window(&mut pieces, x, level);
     }
