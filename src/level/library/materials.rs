@@ -28,7 +28,7 @@ impl Look {
         let is_leaf = !is_impostor && TINTED[1..].iter().any(|start| name.starts_with(start));
         let transmission = match file {
             _ if !is_leaf => 0.0,
-            "spruce" | "pine" => 0.12,
+            "spruce" | "pine" => 0.0,
             _ => 0.4,
         };
         let material = StandardMaterial {
@@ -86,8 +86,9 @@ impl Look {
         ])
     }
 
-    /// The material with its colour multiplied.
-    pub(super) fn tinted(&self, Tint([r, g, b]): Tint) -> StandardMaterial {
+    /// The material with its colour multiplied; far ones let no light through, which
+    /// is dear: with it in all levels the main pass of the forest took 3.6 s instead of 3.1 s on a software driver.
+    pub(super) fn tinted(&self, Tint([r, g, b]): Tint, is_far: bool) -> StandardMaterial {
         let tint = Color::srgb_u8(r, g, b).to_linear();
         let base = self.material.base_color.to_linear();
         StandardMaterial {
@@ -98,6 +99,11 @@ impl Look {
                 base.alpha,
             )
             .into(),
+            diffuse_transmission: if is_far {
+                0.0
+            } else {
+                self.material.diffuse_transmission
+            },
             ..self.material.clone()
         }
     }
@@ -118,7 +124,7 @@ mod tests {
         };
         let look = Look::new("car", "paint", &gltf);
         assert!(look.takes_tint);
-        let color = look.tinted(Tint([255, 188, 0])).base_color.to_linear();
+        let color = look.tinted(Tint([255, 188, 0]), false).base_color.to_linear();
         // 188 is half the light.
         let expected = LinearRgba::new(0.5, 0.502_886, 0.0, 0.7);
         assert!(
@@ -135,9 +141,15 @@ mod tests {
             alpha_mode: AlphaMode::Mask(0.5),
             ..default()
         };
-        let leaves = Look::new("oak", "leaves", &gltf).tinted(Tint::WHITE);
+        let leaves = Look::new("oak", "leaves", &gltf).tinted(Tint::WHITE, false);
         assert!(leaves.diffuse_transmission > 0.3 && !leaves.double_sided && leaves.cull_mode.is_none());
-        assert!(Look::new("spruce", "leaves", &gltf).material.diffuse_transmission < 0.2);
+        assert_eq!(Look::new("spruce", "leaves", &gltf).material.diffuse_transmission, 0.0);
+        assert_eq!(
+            Look::new("oak", "leaves", &gltf)
+                .tinted(Tint::WHITE, true)
+                .diffuse_transmission,
+            0.0
+        );
         let awning = Look::new("shop", "cloth", &gltf);
         assert!(awning.material.double_sided && !awning.takes_tint && awning.material.diffuse_transmission == 0.0);
     }

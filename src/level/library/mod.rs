@@ -44,6 +44,8 @@ pub struct Part {
     pub aabb: Aabb,
     /// Index into the file's materials.
     look: usize,
+    /// Is it a coarse level? Light through its leaves would be seen by nobody.
+    is_far: bool,
 }
 
 /// One shape of a file, in levels from fine to coarse.
@@ -76,7 +78,7 @@ struct ModelFile {
 #[derive(Default)]
 pub struct Library {
     files: BTreeMap<&'static str, ModelFile>,
-    tinted: HashMap<(&'static str, usize, Tint), Handle<StandardMaterial>>,
+    tinted: HashMap<(&'static str, usize, Tint, bool), Handle<StandardMaterial>>,
     /// One sentence per file that could not be used.
     pub notes: Vec<String>,
 }
@@ -138,8 +140,8 @@ impl Library {
         let tint = if look.takes_tint { tint } else { Tint::WHITE };
         let handle = self
             .tinted
-            .entry((asset.file, part.look, tint))
-            .or_insert_with(|| materials.add(look.tinted(tint)));
+            .entry((asset.file, part.look, tint, part.is_far))
+            .or_insert_with(|| materials.add(look.tinted(tint, part.is_far)));
         Some(handle.clone())
     }
 }
@@ -172,6 +174,8 @@ pub struct Loading {
     total: usize,
 }
 
+/// The first level of detail that counts as far.
+const FIRST_FAR: usize = 2;
 /// Folder of model files below the assets folder.
 const FOLDER: &str = "models";
 
@@ -322,7 +326,7 @@ fn read(
     let mut shapes = Vec::new();
     for variant in structure::variants(named)? {
         let mut lods = Vec::new();
-        for index in variant.nodes {
+        for (level, index) in variant.nodes.into_iter().enumerate() {
             let group = nodes[index].mesh.as_ref().and_then(|group| groups.get(group));
             let primitives = group.map(|group| group.primitives.as_slice()).unwrap_or_default();
             let parts: Option<Vec<Part>> = primitives
@@ -333,6 +337,7 @@ fn read(
                         mesh: primitive.mesh.clone(),
                         aabb: meshes.get(&primitive.mesh)?.compute_aabb()?,
                         look: file.materials.iter().position(|material| material == own)?,
+                        is_far: level >= FIRST_FAR,
                     })
                 })
                 .collect();
