@@ -275,11 +275,6 @@ impl Species {
             Self::Spruce | Self::Pine | Self::Oak | Self::Beech | Self::Birch | Self::DeadTree
         )
     }
-
-    /// True for what a trodden path or a stream bed only thins out at its edge: low herbs.
-    pub fn is_herb(self) -> bool {
-        matches!(self, Self::Fern | Self::Grass | Self::TallGrass)
-    }
 }
 
 /// How one species is thrown.

@@ -1,4 +1,4 @@
-//! Materials of model files, and what level of tint and translucency they get.
+//! Materials of model files: which take a tint, and which let light through.
 
 use bevy::{gltf::GltfMaterial, prelude::*};
 
@@ -27,9 +27,9 @@ impl Look {
         let is_impostor = name.ends_with(IMPOSTOR);
         let is_leaf = !is_impostor && TINTED[1..].iter().any(|start| name.starts_with(start));
         let transmission = match file {
-            _ if !is_leaf => 0.0,
             "spruce" | "pine" => 0.0,
-            _ => 0.4,
+            _ if is_leaf => 0.4,
+            _ => 0.0,
         };
         let material = StandardMaterial {
             base_color: gltf.base_color,

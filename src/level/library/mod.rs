@@ -169,7 +169,7 @@ impl ModelAssets<'_> {
 pub struct Loading {
     files: Vec<(&'static str, Handle<Gltf>)>,
     library: Library,
-    /// Pictures that get their mips, by file and name of the original.
+    /// Pictures that get their mips, under the handles that were reserved for them.
     pictures: Option<Vec<(Handle<Image>, Task<Image>)>>,
     total: usize,
 }
