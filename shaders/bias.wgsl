@@ -22,11 +22,12 @@ struct ReceiverPlane {
     w: f32,
 }
 
-// The normal, turned so far towards the light that their cosine is at least MIN_COS_LIGHT.
+// The normal of the plane's side that looks to the light, turned so far towards it that their cosine is at least
+// MIN_COS_LIGHT. A plane has no side: light falls through a leaf whose lit side the viewer does not see.
 fn limited_normal(normal: vec3<f32>, to_light: vec3<f32>) -> vec3<f32> {
     let cosine = dot(normal, to_light);
-    if cosine >= MIN_COS_LIGHT {
-        return normal;
+    if abs(cosine) >= MIN_COS_LIGHT {
+        return normal * sign(cosine);
     }
     let across = normal - cosine * to_light;
     let across_length = length(across);

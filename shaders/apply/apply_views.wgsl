@@ -1,6 +1,7 @@
 // Shadow result of every pixel: selects a light view, compares depths, filters.
 //
-// 1 lit, 0 in shadow; sky and everything beyond the shadow distance is lit.
+// 1 lit, 0 in shadow; sky and everything beyond the shadow distance is lit. Surfaces that face away from the light are
+// looked up like all others: a solid's back lies in its own shadow, a leaf's does not and lets light through.
 
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 #import umbrage::bias::{MIN_COS_LIGHT, ReceiverPlane}
@@ -61,7 +62,7 @@ fn depth_offset(plane: ReceiverPlane, size: vec2<f32>, surface: Surface) -> f32 
         span = 2.0 * plane.depth_per_metre / sqrt(plane.uv_area_per_square_metre * size.x * size.y);
     }
     // What the plane rises above its taps, up to a texel away, if it is tilted by the error of the normal.
-    let cosine = max(dot(surface.normal, parameters.direction_to_light), MIN_COS_LIGHT);
+    let cosine = max(abs(dot(surface.normal, parameters.direction_to_light)), MIN_COS_LIGHT);
     let texel_metres = 1.0 / sqrt(plane.uv_area_per_square_metre * size.x * size.y);
     let tilt = surface.normal_error * texel_metres / cosine * plane.depth_per_metre;
     return noise + parameters.bias_value * (FOOTPRINT_SHARE * span + tilt);

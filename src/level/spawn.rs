@@ -9,7 +9,7 @@ use bevy::{
     asset::RenderAssetUsages,
     camera::{primitives::Aabb, visibility::VisibilityRange},
     ecs::system::SystemParam,
-    light::NotShadowCaster,
+    light::{NotShadowCaster, TransmittedShadowReceiver},
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
@@ -148,7 +148,15 @@ pub struct Palette {
     stand_in: (Handle<Mesh>, Aabb),
 }
 
-type Drawn = (Mesh3d, MeshMaterial3d<StandardMaterial>, Aabb, Transform, LevelEntity);
+/// Whatever lets light through does so where the sun reaches it only.
+type Drawn = (
+    Mesh3d,
+    MeshMaterial3d<StandardMaterial>,
+    Aabb,
+    Transform,
+    LevelEntity,
+    TransmittedShadowReceiver,
+);
 
 impl Palette {
     /// Adds materials and the models' meshes.
@@ -243,7 +251,8 @@ impl Palette {
             };
             let drawn = |(mesh, aabb): &(Handle<Mesh>, Aabb), material: &Handle<StandardMaterial>, transform| {
                 let material = MeshMaterial3d(material.clone());
-                (Mesh3d(mesh.clone()), material, *aabb, transform, LevelEntity)
+                let mesh = Mesh3d(mesh.clone());
+                (mesh, material, *aabb, transform, LevelEntity, TransmittedShadowReceiver)
             };
             let Some(asset) = placement.model.asset() else {
                 if let Some(model) = self.models.get(&placement.model) {
@@ -295,8 +304,11 @@ impl Palette {
             let material = if Building::is_painted(&part) { paint } else { bare };
             let own = place * Transform::from_translation(offset).with_scale(scale);
             for ((mesh, aabb), range) in self.shared.get(&part).into_iter().flatten() {
-                let material = MeshMaterial3d(material.clone());
-                batch.add((Mesh3d(mesh.clone()), material, *aabb, own, LevelEntity), range);
+                let (mesh, material) = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()));
+                batch.add(
+                    (mesh, material, *aabb, own, LevelEntity, TransmittedShadowReceiver),
+                    range,
+                );
             }
         }
     }

@@ -27,11 +27,12 @@ pub struct ReceiverPlane {
     pub w: f32,
 }
 
-/// The unit normal, turned so far towards the light that their cosine is at least [`MIN_COS_LIGHT`].
+/// The unit normal of the plane's side that looks to the light, turned so far towards it that their cosine is at least
+/// [`MIN_COS_LIGHT`]. A plane has no side: light falls through a leaf whose lit side the viewer does not see.
 pub fn limited_normal(normal: Vec3, to_light: Vec3) -> Vec3 {
     let cosine = normal.dot(to_light);
-    if cosine >= MIN_COS_LIGHT {
-        return normal;
+    if cosine.abs() >= MIN_COS_LIGHT {
+        return normal * cosine.signum();
     }
     let across = normal - cosine * to_light;
     let length = across.length();

@@ -1,6 +1,11 @@
 //! Loading in an app without window and renderer.
 
-use std::{collections::HashMap, fs, path::PathBuf, time::Instant};
+use std::{
+    collections::{HashMap, HashSet},
+    fs,
+    path::PathBuf,
+    time::Instant,
+};
 
 use bevy::{
     animation::AnimationPlugin,
@@ -128,34 +133,35 @@ fn a_request_may_interrupt_another() {
     }
 }
 
+/// Entities with a mesh, and their different pairs of mesh and material: what one draw call can hold.
+fn meshes_and_batches(app: &mut App) -> (usize, usize) {
+    let pairs: Vec<_> = app
+        .world_mut()
+        .query::<(&Mesh3d, &MeshMaterial3d<StandardMaterial>)>()
+        .iter(app.world())
+        .map(|(mesh, material)| (mesh.id(), material.id()))
+        .collect();
+    (pairs.len(), pairs.iter().collect::<HashSet<_>>().len())
+}
+
 #[test]
-fn the_forest_shares_its_meshes_and_materials_and_settings_reach_it() {
+fn more_trees_are_no_more_batches_and_settings_reach_the_forest() {
     let mut app = app_with(&root());
     request(&mut app, "forest:count=300".parse().unwrap());
     wait(&mut app).unwrap();
-    let meshes: std::collections::HashSet<_> = app
-        .world_mut()
-        .query::<&Mesh3d>()
-        .iter(app.world())
-        .map(|mesh| mesh.id())
-        .collect();
-    let materials: std::collections::HashSet<_> = app
-        .world_mut()
-        .query::<&MeshMaterial3d<StandardMaterial>>()
-        .iter(app.world())
-        .map(|m| m.id())
-        .collect();
-    let entities = count::<Mesh3d>(&mut app);
-    assert!(
-        entities > 1000 && meshes.len() < 220,
-        "{entities} entities, {} meshes",
-        meshes.len()
-    );
-    // Eleven files with up to three materials, two or three tints, near and far.
-    assert!((10..130).contains(&materials.len()), "{} materials", materials.len());
-    assert_eq!(count::<Aabb>(&mut app), entities);
+    let (few, batches_of_few) = meshes_and_batches(&mut app);
+    assert_eq!(count::<Aabb>(&mut app), few);
     let notes = &app.world().resource::<LoadedScene>().notes;
     assert!(notes.is_empty(), "{notes:?}");
+    request(&mut app, "forest:count=1200".parse().unwrap());
+    wait(&mut app).unwrap();
+    let (many, batches_of_many) = meshes_and_batches(&mut app);
+    assert!(many > few + 900 * 4, "{few} entities, then {many}");
+    // Nothing but variants that were not among the first.
+    assert!(
+        batches_of_many <= batches_of_few + batches_of_few / 20,
+        "{batches_of_few} batches of {few} entities, then {batches_of_many} of {many}"
+    );
 }
 
 /// Levels of one thing follow each other without gap or overlap: at any distance exactly one is drawn.

@@ -3,6 +3,7 @@
 use bevy::{
     camera::RenderTarget,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
+    light::TransmittedShadowReceiver,
     pbr::{DefaultOpaqueRendererMethod, ShadowView},
     prelude::*,
     render::{
@@ -240,4 +241,46 @@ fn multisampled_cameras_keep_the_fallback_map() {
     harness.start();
     assert_pipelines_compiled(&harness);
     assert_shadow(&harness, harness.camera, &harness.target, "multisampled camera");
+}
+
+/// A sheet like a leaf between camera and sun: light shines through it, but not in the shadow of a slab behind it.
+#[test]
+fn light_falls_through_a_thin_sheet_but_not_through_a_shadow() {
+    for technique in ["zp4+lispsm:size=512", "uniform:size=1024,path=dropin"] {
+        let mut harness = Harness::new(SIZE, eye());
+        let sheet = harness.mesh(Rectangle::new(8.0, 6.0));
+        let leaf = harness.material(StandardMaterial {
+            base_color: Color::srgb(0.8, 0.8, 0.8),
+            diffuse_transmission: 0.8,
+            cull_mode: None,
+            ..default()
+        });
+        let slab = harness.mesh(Cuboid::new(2.0, 2.0, 0.2));
+        let stone = harness.material(Color::srgb(0.6, 0.6, 0.6));
+        let world = harness.app.world_mut();
+        world.spawn((
+            Mesh3d(sheet),
+            MeshMaterial3d(leaf),
+            Transform::from_xyz(0.0, 2.0, 0.0),
+            TransmittedShadowReceiver,
+        ));
+        world.spawn((
+            Mesh3d(slab),
+            MeshMaterial3d(stone),
+            Transform::from_xyz(1.125, 3.0, -3.0),
+        ));
+        world.insert_resource(GlobalAmbientLight {
+            brightness: 100.0,
+            ..default()
+        });
+        harness.sun(Vec3::new(-0.3, -0.4, 0.8), settings(technique));
+        harness.start();
+        let [dark, bright] =
+            [0.0, 3.0].map(|x| brightness(&harness, harness.camera, &harness.target, Vec3::new(x, 1.5, 0.0)));
+        assert!(bright > 60.0, "{technique}: {bright} where the sun shines through");
+        assert!(
+            dark < 0.6 * bright,
+            "{technique}: {dark} in the slab's shadow against {bright} beside it"
+        );
+    }
 }
