@@ -28,6 +28,7 @@
 //!         map_size: 2048,
 //!         guard_texels: 2.0,
 //!         guard_metres: 0.0,
+//!         options: fit::FitOptions::default(),
 //!     };
 //!     let light_view = fit::fit_light_view(&input).fitted().unwrap();
 //!     assert!(light_view.warp_near.is_finite(), "LiSPSM warps every slice here");

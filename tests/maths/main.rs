@@ -3,6 +3,7 @@
 mod body;
 mod fit;
 mod footprint;
+mod golden;
 mod polytope;
 mod properties;
 mod split;

@@ -4,7 +4,7 @@ use bevy_math::DVec3;
 use umbrage::maths::{
     body::{intersection_body, light_visible},
     bounds::Bounds,
-    fit::{FitInput, LightFit, fit_light_view},
+    fit::{FitInput, FitOptions, LightFit, fit_light_view},
     polytope::Polytope,
     view::ViewVolume,
     warp::Warp,
@@ -57,6 +57,7 @@ pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: 
         map_size: 1024,
         guard_texels: 0.0,
         guard_metres: 0.0,
+        options: FitOptions::default(),
     })
     .fitted()
     .expect("a proper camera, scene and light")
