@@ -5,6 +5,7 @@ mod fit;
 mod footprint;
 mod golden;
 mod polytope;
+mod presets;
 mod properties;
 mod split;
 mod support;

@@ -47,6 +47,17 @@ pub(crate) fn bodies(view: &ViewVolume, scene: &Bounds, light_travel: DVec3) -> 
 
 /// The light view of the whole camera range, without guard texels.
 pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: Warp) -> LightFit {
+    fit_with(view, scene, light_travel, warp, FitOptions::default())
+}
+
+/// The same with options.
+pub(crate) fn fit_with(
+    view: &ViewVolume,
+    scene: &Bounds,
+    light_travel: DVec3,
+    warp: Warp,
+    options: FitOptions,
+) -> LightFit {
     let (visible, body) = bodies(view, scene, light_travel);
     fit_light_view(&FitInput {
         view,
@@ -57,7 +68,7 @@ pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: 
         map_size: 1024,
         guard_texels: 0.0,
         guard_metres: 0.0,
-        options: FitOptions::default(),
+        options,
     })
     .fitted()
     .expect("a proper camera, scene and light")
