@@ -1,5 +1,6 @@
 //! Pure mathematics against the oracles of the papers and against properties.
 
+mod axes;
 mod body;
 mod fit;
 mod footprint;
@@ -9,6 +10,7 @@ mod polytope;
 mod post_perspective;
 mod presets;
 mod properties;
+mod spans;
 mod split;
 mod support;
 mod warp;

@@ -1,6 +1,6 @@
 //! The original perspective shadow map: a light's view of the camera's clip space.
 
-use bevy_math::{DVec3, UVec2, Vec4Swizzles};
+use bevy_math::{DMat4, DVec2, DVec3, UVec2, Vec4Swizzles};
 use proptest::prelude::*;
 use umbrage::maths::{
     bounds::Bounds,
@@ -14,11 +14,7 @@ use umbrage::maths::{
     },
 };
 
-use crate::support::{bodies, close, fit, light_at, papers_camera};
-
-fn scene() -> Bounds {
-    Bounds::new(DVec3::splat(-1000.0), DVec3::splat(1000.0))
-}
+use crate::support::{OPENING, bodies, close, fit, light_at, papers_camera, roomy_scene};
 
 fn post_perspective(
     view: &ViewVolume,
@@ -46,9 +42,9 @@ fn post_perspective(
 fn light_across_the_view_is_the_warp_of_the_same_name() {
     let view = papers_camera(1.0, 40.0);
     for light in [DVec3::NEG_Y, DVec3::Y, DVec3::X] {
-        let original = post_perspective(&view, &scene(), light, 0.0).expect("light from the side");
+        let original = post_perspective(&view, &roomy_scene(), light, 0.0).expect("light from the side");
         assert_eq!(original.light, PostPerspectiveLight::Parallel);
-        let warp = fit(&view, &scene(), light, Warp::Psm);
+        let warp = fit(&view, &roomy_scene(), light, Warp::Psm);
         for corner in view.corners(1.0, 40.0).into_iter().chain([DVec3::new(1.0, -2.0, -9.0)]) {
             let places = [original.clip_from_world, warp.clip_from_world].map(|clip| clip.project_point3(corner));
             assert!(
@@ -63,9 +59,9 @@ fn light_across_the_view_is_the_warp_of_the_same_name() {
             let lengths = texel_footprint(&original.clip_from_world, UVec2::splat(512), point)
                 .expect("in front")
                 .lengths();
-            let pixel = crate::support::OPENING * depth / 512.0;
+            let pixel = OPENING * depth / 512.0;
             close(lengths.x / pixel, 1.0, 1.0e-4);
-            close(lengths.y / pixel, 39.0 / crate::support::OPENING * depth / 40.0, 1.0e-4);
+            close(lengths.y / pixel, 39.0 / OPENING * depth / 40.0, 1.0e-4);
         }
     }
 }
@@ -76,7 +72,7 @@ fn the_light_in_the_cube() {
     let view = papers_camera(1.0, 40.0);
     let plane = 41.0 / 39.0;
     let light = |angle| {
-        post_perspective(&view, &scene(), light_at(angle), 0.0)
+        post_perspective(&view, &roomy_scene(), light_at(angle), 0.0)
             .expect("outside the cone")
             .light
     };
@@ -97,7 +93,7 @@ fn the_light_in_the_cube() {
 #[test]
 fn cases_meet() {
     let view = papers_camera(1.0, 40.0);
-    let at = |angle| post_perspective(&view, &scene(), light_at(angle), 0.0).expect("light from the side");
+    let at = |angle| post_perspective(&view, &roomy_scene(), light_at(angle), 0.0).expect("light from the side");
     let points = [DVec3::new(0.3, -0.2, -2.0), DVec3::new(-4.0, 5.0, -20.0)];
     for (before, after) in [(89.9999, 90.0), (90.0, 90.0001)] {
         for point in points {
@@ -115,7 +111,7 @@ fn cases_meet() {
 fn casters_behind_the_viewer() {
     let view = papers_camera(1.0, 40.0);
     let light = light_at(50.0);
-    let map = post_perspective(&view, &scene(), light, 0.0)
+    let map = post_perspective(&view, &roomy_scene(), light, 0.0)
         .expect("outside the cone")
         .clip_from_world;
     let receiver = DVec3::new(0.5, -1.0, -6.0);
@@ -131,12 +127,12 @@ fn casters_behind_the_viewer() {
 fn light_inside_the_cone_is_refused() {
     let view = papers_camera(1.0, 40.0);
     for angle in [0.0, 5.0, 20.0, 29.0, 151.0, 170.0, 180.0] {
-        let outcome = post_perspective(&view, &scene(), light_at(angle), 0.0);
+        let outcome = post_perspective(&view, &roomy_scene(), light_at(angle), 0.0);
         assert_eq!(outcome, Err(PostPerspectiveRefusal::TooWide), "{angle}°");
     }
     for angle in [35.0, 60.0, 90.0, 120.0, 145.0] {
         assert!(
-            post_perspective(&view, &scene(), light_at(angle), 0.0).is_ok(),
+            post_perspective(&view, &roomy_scene(), light_at(angle), 0.0).is_ok(),
             "{angle}°"
         );
     }
@@ -147,7 +143,7 @@ fn light_inside_the_cone_is_refused() {
 #[test]
 fn light_near_the_cone_is_bad() {
     let view = papers_camera(1.0, 40.0);
-    let storage = |map: &bevy_math::DMat4| {
+    let storage = |map: &DMat4| {
         let areas = view.corners(1.0, 40.0).map(|corner| {
             let footprint = texel_footprint(map, UVec2::splat(512), corner).expect("in front");
             footprint.area() / view.depth(corner).powi(2)
@@ -156,12 +152,12 @@ fn light_near_the_cone_is_bad() {
     };
     let original = |angle| {
         storage(
-            &post_perspective(&view, &scene(), light_at(angle), 0.0)
+            &post_perspective(&view, &roomy_scene(), light_at(angle), 0.0)
                 .expect("a map")
                 .clip_from_world,
         )
     };
-    let warp = |angle, warp| storage(&fit(&view, &scene(), light_at(angle), warp).clip_from_world);
+    let warp = |angle, warp| storage(&fit(&view, &roomy_scene(), light_at(angle), warp).clip_from_world);
     assert!(
         original(31.0) > 3.0 * original(60.0),
         "{} {}",
@@ -180,7 +176,7 @@ fn light_near_the_cone_is_bad() {
 #[test]
 fn inputs_without_an_answer_are_named() {
     let view = papers_camera(1.0, 100.0);
-    let (visible, body) = bodies(&view, &scene(), DVec3::NEG_Y);
+    let (visible, body) = bodies(&view, &roomy_scene(), DVec3::NEG_Y);
     let outcome = |view, visible, body, light_travel, guard_texels| {
         fit_post_perspective(&FitInput {
             view,
@@ -214,8 +210,8 @@ fn inputs_without_an_answer_are_named() {
         DVec3::ZERO,
         DVec3::NEG_Z,
         DVec3::Y,
-        bevy_math::DVec2::splat(-10.0),
-        bevy_math::DVec2::splat(10.0),
+        DVec2::splat(-10.0),
+        DVec2::splat(10.0),
         0.0,
         100.0,
     )

@@ -2,36 +2,18 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use bevy_math::{DVec2, DVec3, UVec2};
-use proptest::prelude::*;
+use bevy_math::{DVec2, DVec3};
 use umbrage::maths::{
-    bounds::Bounds,
     error::{error_across, error_along},
     fit::{FitOptions, LightFit},
-    footprint::texel_footprint,
     view::ViewVolume,
-    warp::{OptimumRule, Warp, WarpSpan, frustum_extent, reparametrised_eta, trapezoidal_warp_near},
+    warp::{Warp, WarpSpan, frustum_extent, reparametrised_eta, trapezoidal_warp_near},
 };
 
-use crate::support::{OPENING, close, fit, fit_with, light_at, papers_camera};
-
-const SIZE: UVec2 = UVec2::splat(1024);
-
-/// Contains every view frustum here; small enough that no near plane counts as flat beside it.
-fn scene() -> Bounds {
-    Bounds::new(DVec3::splat(-1000.0), DVec3::splat(1000.0))
-}
+use crate::support::{OPENING, close, errors, fit, fit_with, light_at, papers_camera, roomy_scene};
 
 fn degrees_eta(angle: f64) -> f64 {
     reparametrised_eta(angle.to_radians(), 30.0_f64.to_radians())
-}
-
-/// m_x and m_z at a point: the sides of a texel through the matrix over that of a pixel, resolutions equal. Beside the
-/// axis texels are sheared; the papers count their extent along it.
-fn errors(fit: &LightFit, view: &ViewVolume, point: DVec3) -> DVec2 {
-    let footprint = texel_footprint(&fit.clip_from_world, SIZE, point).expect("in front");
-    let sides = DVec2::new(footprint.across.length(), footprint.along.dot(fit.axes.y));
-    sides / (OPENING * view.depth(point) / 1024.0)
 }
 
 /// M_x and M_z through the matrix: both errors are largest at a corner of the frustum.
@@ -45,7 +27,7 @@ fn largest(fit: &LightFit, view: &ViewVolume) -> DVec2 {
 
 fn overhead(near: f64, far: f64, warp: Warp) -> (ViewVolume, LightFit) {
     let view = papers_camera(near, far);
-    let fit = fit(&view, &scene(), DVec3::NEG_Y, warp);
+    let fit = fit(&view, &roomy_scene(), DVec3::NEG_Y, warp);
     (view, fit)
 }
 
@@ -123,7 +105,7 @@ fn reparametrised_light_views() {
     let view = papers_camera(1.0, 40.0);
     for angle in [90.0, 75.0, 48.1, 45.0, 30.0, 20.0, 15.0, 10.0, 0.0] {
         for angle in [angle, 180.0 - angle] {
-            let warp_near = |warp| fit_with(&view, &scene(), light_at(angle), warp, unguarded).warp_near;
+            let warp_near = |warp| fit_with(&view, &roomy_scene(), light_at(angle), warp, unguarded).warp_near;
             let folded = (90.0 - (angle - 90.0_f64).abs()).to_radians();
             let extent = frustum_extent(1.0, 40.0, 30.0_f64.to_radians(), folded);
             let span = WarpSpan::directional(extent, 1.0, folded.sin());
@@ -154,7 +136,7 @@ fn the_cone_of_wide_pictures() {
             guard: false,
             ..FitOptions::default()
         };
-        fit_with(&view, &scene(), light, Warp::Repar, unguarded).eta
+        fit_with(&view, &roomy_scene(), light, Warp::Repar, unguarded).eta
     };
     for (side, half_opening) in [
         (DVec3::Y, 0.4_f64),
@@ -178,7 +160,7 @@ fn light_inside_the_cone() {
         guard: false,
         ..FitOptions::default()
     };
-    let errors = |warp| largest(&fit_with(&view, &scene(), light_at(20.0), warp, unguarded), &view);
+    let errors = |warp| largest(&fit_with(&view, &roomy_scene(), light_at(20.0), warp, unguarded), &view);
     let (uniform, optimal, repar) = (errors(Warp::Uniform), errors(Warp::Lispsm), errors(Warp::Repar));
     assert!(optimal.x > 1.5 * uniform.x, "{optimal} against {uniform}");
     assert!(repar.x < 1.25 * uniform.x, "{repar} against {uniform}");
@@ -195,7 +177,7 @@ fn the_guard_of_the_reparametrised_warp() {
         let view = papers_camera(1.0, far);
         for step in 0..=180 {
             let light = light_at(f64::from(step));
-            let eta = |warp| fit(&view, &scene(), light, warp).eta;
+            let eta = |warp| fit(&view, &roomy_scene(), light, warp).eta;
             let expected = eta(Warp::Lispsm).min(degrees_eta(f64::from(step)));
             assert!((eta(Warp::Repar) - expected).abs() < 1.0e-6, "{step}°, far {far}");
         }
@@ -377,100 +359,15 @@ fn covered_shares_of_the_map() {
     }
 }
 
-/// Scherzer, table 3.2 (z_n = 0.1, d = 69.9) and oracles 3 and 4; the demonstration program's rule besides.
-#[test]
-fn readings_of_the_optimum() {
-    let (near, extent): (f64, f64) = (0.1, 69.9);
-    let by = |rule, sine: f64| WarpSpan::directional_by(rule, extent, near, sine).optimal_warp_near();
-    for (angle, literal, derived) in [
-        (90.0, 2.7458, 2.7458),
-        (60.0, 3.1705, 2.9588),
-        (45.0, 3.8831, 3.2887),
-        (30.0, 5.4915, 3.9443),
-        (20.0, 8.0280, 4.8226),
-        (10.0, 15.8122, 6.9465),
-        (5.0, 31.504, 10.176),
-        (1.0, 157.33, 26.547),
-        (0.1, 1573.2, 142.66),
-    ] {
-        let sine = f64::to_radians(angle).sin();
-        close(by(OptimumRule::Literal, sine), literal, 1.0e-4);
-        close(by(OptimumRule::Derived, sine), derived, 1.0e-4);
-        let demo_near = near / sine;
-        let demo = (demo_near + (demo_near * (demo_near + extent * sine)).sqrt()) / sine;
-        close(by(OptimumRule::Demo, sine), demo, 1.0e-12);
-        assert!(
-            demo >= derived * (1.0 - 1.0e-4),
-            "the demonstration program warps less than the derivation"
-        );
-    }
-    for rule in [OptimumRule::Literal, OptimumRule::Derived, OptimumRule::Demo] {
-        close(by(rule, 1.0), 2.745_751, 1.0e-6);
-        for sine in [0.0, -0.5, f64::NAN] {
-            assert_eq!(by(rule, sine), f64::INFINITY, "{rule:?}, sin γ = {sine}");
-            assert_eq!(
-                WarpSpan::directional_by(rule, extent, near, sine).warp_near(1.0),
-                f64::INFINITY
-            );
-        }
-    }
-    close(
-        by(OptimumRule::Literal, 0.5),
-        2.0 * by(OptimumRule::Literal, 1.0),
-        1.0e-12,
-    );
-    // PSM is the same to every reading but the last.
-    let strongest = |rule| WarpSpan::directional_by(rule, extent, near, 0.5).warp_near(1.0);
-    close(
-        strongest(OptimumRule::Literal),
-        strongest(OptimumRule::Derived),
-        1.0e-12,
-    );
-    close(
-        strongest(OptimumRule::Demo),
-        2.0 * strongest(OptimumRule::Derived),
-        1.0e-12,
-    );
-}
-
-proptest! {
-    /// Scherzer, oracle 3: n_opt grows with Δz, falls with sin γ, and is at least 2 z_n ÷ sin γ.
-    #[test]
-    fn the_optimum_is_monotone(near in 0.05..5.0, extent in 0.5..500.0, sine in 0.05..0.99) {
-        for rule in [OptimumRule::Literal, OptimumRule::Derived, OptimumRule::Demo] {
-            let optimum = |extent, sine| WarpSpan::directional_by(rule, extent, near, sine).optimal_warp_near();
-            prop_assert!(optimum(extent * 1.01, sine) > optimum(extent, sine));
-            prop_assert!(optimum(extent, sine * 1.01) < optimum(extent, sine));
-            prop_assert!(optimum(extent, sine) >= 2.0 * near / sine);
-        }
-    }
-
-    /// The strength of every rule and pair of pseudo planes is the inverse of its n', falls with n', and ends at `PSM`.
-    #[test]
-    fn strengths_are_inverse(
-        near in 0.05..5.0, extent in 1.0..500.0, sine in 0.1..1.0, planes in [0.0..600.0, 0.0..600.0], eta in -0.99..1.0,
-    ) {
-        for rule in [OptimumRule::Literal, OptimumRule::Derived, OptimumRule::Demo] {
-            let whole = WarpSpan::directional_by(rule, extent, near, sine);
-            let span = whole.levelled_between(planes[0], planes[1]);
-            let warp_near = span.warp_near(eta);
-            prop_assert!((span.eta(warp_near) - eta).abs() < 1.0e-5, "{} from {eta}", span.eta(warp_near));
-            prop_assert!(span.warp_near(eta - 0.01) > warp_near);
-            let (strongest, expected) = (span.warp_near(1.0), whole.warp_near(1.0));
-            prop_assert!((strongest / expected - 1.0).abs() < 1.0e-6, "{strongest} against {expected}");
-        }
-    }
-}
-
 /// Scherzer, oracle 6: a warped map tends to the uniform one, by at most 2 d ÷ n'.
 #[test]
 fn weak_warps_tend_to_uniform() {
     let view = papers_camera(1.0, 40.0);
     let light = light_at(70.0);
-    let uniform = fit(&view, &scene(), light, Warp::Uniform);
+    let uniform = fit(&view, &roomy_scene(), light, Warp::Uniform);
     let mut differences = Vec::new();
     for eta in [-0.95, -0.99, -0.999, -0.9999] {
-        let warped = fit(&view, &scene(), light, Warp::Free { eta });
+        let warped = fit(&view, &roomy_scene(), light, Warp::Free { eta });
         let extent = frustum_extent(1.0, 40.0, 30.0_f64.to_radians(), 70.0_f64.to_radians());
         assert!(warped.warp_near > 10.0 * extent, "weak");
         let difference = view.corners(1.0, 40.0).map(|corner| {
@@ -495,7 +392,7 @@ fn weak_warps_tend_to_uniform() {
 fn duelling_frusta() {
     let view = papers_camera(0.5, 120.0);
     for light in [DVec3::Z, DVec3::NEG_Z] {
-        let of = |warp| fit(&view, &scene(), light, warp).clip_from_world;
+        let of = |warp| fit(&view, &roomy_scene(), light, warp).clip_from_world;
         for warp in [
             Warp::Lispsm,
             Warp::Repar,
@@ -506,6 +403,6 @@ fn duelling_frusta() {
             assert_eq!(of(warp), of(Warp::Uniform), "{warp:?}");
         }
     }
-    let storage = |warp| largest(&fit(&view, &scene(), DVec3::NEG_Y, warp), &view).element_product();
+    let storage = |warp| largest(&fit(&view, &roomy_scene(), DVec3::NEG_Y, warp), &view).element_product();
     close(storage(Warp::Uniform) / storage(Warp::Lispsm), 240.0, 1.0e-5);
 }
