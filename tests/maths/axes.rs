@@ -149,11 +149,7 @@ fn a_side_face() {
     let beyond_near_face = HalfSpace::through(DVec3::X * near * OPENING * 0.5, DVec3::NEG_X);
     let column = column.clip(&beyond_near_face);
     let body = intersection_body(&column, &roomy_scene(), light);
-    let of = |warp, axis| {
-        let options = FitOptions {
-            axis,
-            ..FitOptions::default()
-        };
+    let with = |warp, options| {
         let input = FitInput {
             view: &view,
             visible: &column,
@@ -166,6 +162,15 @@ fn a_side_face() {
             options,
         };
         fit_light_view(&input).fitted().expect("a light view")
+    };
+    let of = |warp, axis| {
+        with(
+            warp,
+            FitOptions {
+                axis,
+                ..FitOptions::default()
+            },
+        )
     };
     let ratio = far / near;
     let storage = |fit: &LightFit| {
@@ -193,6 +198,15 @@ fn a_side_face() {
         1.0e-6,
     );
     close(of(Warp::Psm, axis).warp_near, edge_near, 1.0e-6);
+    // Pseudo planes are view depths, on the face proportional to the distance along the axis.
+    let options = FitOptions {
+        axis,
+        pseudo_near: Some(10.0),
+        pseudo_far: Some(60.0),
+        ..FitOptions::default()
+    };
+    let levelled = (10.0 * 60.0_f64).sqrt() * OPENING * 0.5;
+    close(with(Warp::Lispsm, options).warp_near, edge_near + levelled, 1.0e-6);
     assert!(storage(&of(Warp::Uniform, axis)) > 90.0 * (ratio - 1.0) * 0.5);
     // Against the face, and beside the eye, there is nothing to warp.
     assert_eq!(of(Warp::Lispsm, WarpAxis::Direction(DVec3::NEG_X)).eta, -1.0);
