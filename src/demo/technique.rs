@@ -51,7 +51,14 @@ const SCHEMES: &[SplitScheme] = &[
     SplitScheme::Uniform,
     SplitScheme::Practical { lambda: 0.5 },
 ];
-const WARPS: &[Warp] = &[Warp::Lispsm, Warp::Uniform, Warp::Free { eta: -0.5 }, Warp::Psm];
+const WARPS: &[Warp] = &[
+    Warp::Lispsm,
+    Warp::Uniform,
+    Warp::Repar,
+    Warp::Free { eta: -0.5 },
+    Warp::Psm,
+    Warp::Tsm { focus: Warp::TSM_FOCUS },
+];
 const MAP_SIZES: &[u32] = &[512, 1024, 2048, 4096];
 const SELECTIONS: &[PartitionSelection] = &[PartitionSelection::BestResolution, PartitionSelection::Depth];
 const FILTERS: &[ShadowFilter] = &[ShadowFilter::Pcf2, ShadowFilter::Hard];
@@ -113,7 +120,9 @@ impl Setting {
             Self::Warp => match settings.warp {
                 Warp::Uniform => "uniform".into(),
                 Warp::Lispsm => "LiSPSM".into(),
+                Warp::Repar => "re-parametrised LiSPSM".into(),
                 Warp::Psm => "PSM".into(),
+                Warp::Tsm { focus } => format!("TSM {focus}"),
                 Warp::Free { eta } => format!("free {eta}"),
             },
             Self::MapSize => format!("{} texels", settings.map_size),
@@ -163,7 +172,10 @@ impl Setting {
         }
         if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
             settings.warp = match (self, back) {
-                (Self::Warp, true) => neighbor(WARPS, &settings.warp, true),
+                (Self::Warp, true) => {
+                    let mut weak = WARPS.iter().rev().filter(|warp| warp.eta() <= Warp::Lispsm.eta());
+                    *weak.next().unwrap_or(&Warp::Lispsm)
+                }
                 _ => Warp::Lispsm,
             };
         }

@@ -28,6 +28,7 @@
 //!         map_size: 2048,
 //!         guard_texels: 2.0,
 //!         guard_metres: 0.0,
+//!         options: fit::FitOptions::default(),
 //!     };
 //!     let light_view = fit::fit_light_view(&input).fitted().unwrap();
 //!     assert!(light_view.warp_near.is_finite(), "LiSPSM warps every slice here");
@@ -55,11 +56,17 @@
 //! | η | `eta`, [`warp::WarpSpan::warp_near`], [`warp::WarpSpan::eta`] | L eq. 11; S eq. 3.4 |
 //! | d, z0, z1, α = z1/z0 | [`warp::WarpSpan`] | S 3.2.1 |
 //! | guard for γ < Θ | [`warp::guarded_eta`] | L 4.4 |
-//! | C (projection centre) | `center` in [`fit::fit_light_view`] | S 4.1 |
+//! | C (projection centre) | `projection_center` in [`fit::fit_light_view`] | S 4.1 |
 //! | P, W, A_fit | `clip_from_light` of [`fit::LightFit`] | S 3.1.2 eq. 3.1, 3.2.1 |
 //! | m_x, m_z | [`error::error_across`], [`error::error_along`] | S eq. 2.3 to 2.8; L eq. 7, 8 |
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
+//! | η(γ), W_lz | [`warp::reparametrised_eta`], [`warp::frustum_extent`] | S eq. 3.3, 3.5 |
+//! | n_p, f_p (pseudo planes), z_vis | [`fit::FitOptions`], [`warp::WarpSpan::levelled_between`] | S 4.2 eq. 4.2; Scherzer 2005, 4.4 |
+//! | δ, ξ (80 % rule) | [`warp::trapezoidal_warp_near`] | L 4.1 |
+//! | e, C_start | [`fit::ProjectionCenter`] | S 3.2.1, 4.1 |
+//! | V_P, middle vector | [`fit::WarpAxis`] | Scherzer 2005, eq. 3, 4.4 |
+//! | Δz | [`warp::OptimumRule`] | Scherzer 2005, eq. 1 |
 
 pub mod bias;
 pub mod body;

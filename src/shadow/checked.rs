@@ -34,6 +34,9 @@ pub enum Correction {
     /// `warp`.
     #[error("SunShadows::warp: eta must be -1 to 1: the nearest is used, -1 for NaN")]
     Eta,
+    /// `warp`.
+    #[error("SunShadows::warp: focus must be 0 to 1: the nearest is used, the default for NaN")]
+    Focus,
     /// `warp` on the drop-in path.
     #[error(
         "SunShadows::warp must not be stronger than LiSPSM on the drop-in path, because Bevy's bias cannot follow its texels: LiSPSM is used"
@@ -89,6 +92,16 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         *eta = if eta.is_nan() { -1.0 } else { eta.clamp(-1.0, 1.0) };
         corrections.push(Correction::Eta);
     }
+    if let Warp::Tsm { focus } = &mut settings.warp
+        && !(0.0..=1.0).contains(focus)
+    {
+        *focus = if focus.is_nan() {
+            Warp::TSM_FOCUS
+        } else {
+            focus.clamp(0.0, 1.0)
+        };
+        corrections.push(Correction::Focus);
+    }
     if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
         settings.warp = Warp::Lispsm;
         corrections.push(Correction::DropInWarp);
@@ -133,6 +146,18 @@ mod tests {
                 let preset = SunShadows { path, ..preset.clone() };
                 assert_eq!(checked(&preset), (preset, Vec::new()));
             }
+        }
+    }
+
+    #[test]
+    fn the_focus_of_trapezoidal_maps_is_a_share() {
+        for (focus, expected) in [(f32::NAN, Warp::TSM_FOCUS), (-1.0, 0.0), (2.0, 1.0)] {
+            let (right, corrections) = checked(&SunShadows {
+                warp: Warp::Tsm { focus },
+                ..SunShadows::HIGH
+            });
+            assert_eq!(right.warp, Warp::Tsm { focus: expected });
+            assert_eq!(corrections, [Correction::Focus]);
         }
     }
 

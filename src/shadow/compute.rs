@@ -11,7 +11,7 @@ use super::{
 use crate::maths::{
     body::{adjusted_depths, intersection_body, light_visible},
     bounds::Bounds,
-    fit::{FitInput, LightFit, fit_light_view},
+    fit::{FitInput, FitOptions, LightFit, fit_light_view},
     polytope::Polytope,
     split::{SplitScheme, split_depths},
     view::ViewVolume,
@@ -114,6 +114,7 @@ impl Fitter<'_> {
             map_size: self.settings.map_size,
             guard_texels: GUARD_TEXELS,
             guard_metres: 0.0,
+            options: FitOptions::default(),
         };
         let fit = match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),

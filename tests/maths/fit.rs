@@ -3,7 +3,7 @@
 use bevy_math::{DVec2, DVec3, UVec2, Vec4Swizzles};
 use umbrage::maths::{
     bounds::Bounds,
-    fit::{Fit, FitInput, LightAxes, LightFit, Unfit, fit_light_view},
+    fit::{Fit, FitInput, FitOptions, LightAxes, LightFit, Unfit, fit_light_view},
     footprint::texel_footprint,
     polytope::Polytope,
     view::ViewVolume,
@@ -30,6 +30,7 @@ fn the_published_matrix() {
         map_size: 1024,
         guard_texels: 0.0,
         guard_metres: 0.0,
+        options: FitOptions::default(),
     })
     .fitted()
     .expect("a frustum lit from above");
@@ -154,6 +155,7 @@ fn guard_texels_stay_free() {
         map_size: 256,
         guard_texels: 3.0,
         guard_metres: 0.0,
+        options: FitOptions::default(),
     };
     let fit = fit_light_view(&input).fitted().expect("a proper camera");
     let largest = body
@@ -208,6 +210,7 @@ fn moved_receivers_stay_inside() {
         map_size: 256,
         guard_texels: 0.0,
         guard_metres: 0.7,
+        options: FitOptions::default(),
     })
     .fitted()
     .expect("a proper camera");
@@ -330,6 +333,7 @@ fn inputs_without_an_answer_are_named() {
             map_size: 0,
             guard_texels: 1.0,
             guard_metres: 0.0,
+            options: FitOptions::default(),
         })
     };
     let down = DVec3::NEG_Y;

@@ -5,12 +5,12 @@ use proptest::prelude::*;
 use umbrage::maths::{
     body::adjusted_depths,
     bounds::Bounds,
-    fit::{FitInput, fit_light_view},
+    fit::{FitInput, FitOptions, ProjectionCenter, WarpAxis, fit_light_view},
     footprint::texel_footprint,
     polytope::{HalfSpace, Polytope, PolytopeState},
     split::{SplitScheme, split_depths},
     view::ViewVolume,
-    warp::Warp,
+    warp::{OptimumRule, Warp},
 };
 
 use crate::{
@@ -54,8 +54,43 @@ fn warp() -> impl Strategy<Value = Warp> {
         Just(Warp::Uniform),
         Just(Warp::Lispsm),
         Just(Warp::Psm),
+        Just(Warp::Repar),
+        (0.0_f32..1.0).prop_map(|focus| Warp::Tsm { focus }),
         (-1.0_f32..1.0).prop_map(|eta| Warp::Free { eta }),
     ]
+}
+
+fn options() -> impl Strategy<Value = FitOptions> {
+    let depth = || prop::option::of(0.01..3000.0);
+    (
+        prop_oneof![
+            Just(ProjectionCenter::Continuous),
+            Just(ProjectionCenter::NearestVertex)
+        ],
+        prop_oneof![
+            Just(OptimumRule::Derived),
+            Just(OptimumRule::Literal),
+            Just(OptimumRule::Demo)
+        ],
+        [depth(), depth(), depth()],
+        prop_oneof![
+            Just(WarpAxis::View),
+            Just(WarpAxis::Middle),
+            direction().prop_map(WarpAxis::Direction)
+        ],
+        any::<bool>(),
+    )
+        .prop_map(
+            |(center, optimum, [pseudo_near, pseudo_far, visible_far], axis, guard)| FitOptions {
+                center,
+                optimum,
+                pseudo_near,
+                pseudo_far,
+                visible_far,
+                axis,
+                guard,
+            },
+        )
 }
 
 /// Any direction, or (nearly) along the view.
@@ -148,14 +183,14 @@ proptest! {
         prop_assert!(from <= to, "the shadow of {point} misses H: {from} to {to}");
     }
 
-    /// Stingl, oracles 16, 17 and 19, for every warp, parallel light included.
+    /// Stingl, oracles 16, 17 and 19, for every warp and option, parallel light included.
     #[test]
-    fn light_views_cover_their_bodies((scene, view) in seen(), direction in direction(), along in 0_u8..8, warp in warp()) {
+    fn light_views_cover_their_bodies((scene, view) in seen(), direction in direction(), along in 0_u8..8, warp in warp(), options in options()) {
         let light_travel = light_for(&view, direction, along);
         let (visible, body) = bodies(&view, &scene, light_travel);
         prop_assume!(!visible.is_empty());
         let guard_texels = 2.0;
-        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0 }).fitted();
+        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0, options }).fitted();
         prop_assert!(fit.is_some());
         let fit = fit.unwrap();
         prop_assert!(fit.clip_from_light.determinant() > 0.0, "mirrored");

@@ -1,10 +1,11 @@
 //! Cameras, lights and scenes that several tests use.
 
-use bevy_math::DVec3;
+use bevy_math::{DVec2, DVec3, UVec2};
 use umbrage::maths::{
     body::{intersection_body, light_visible},
     bounds::Bounds,
-    fit::{FitInput, LightFit, fit_light_view},
+    fit::{FitInput, FitOptions, LightFit, fit_light_view},
+    footprint::texel_footprint,
     polytope::Polytope,
     view::ViewVolume,
     warp::Warp,
@@ -38,6 +39,11 @@ pub(crate) fn huge_scene() -> Bounds {
     Bounds::new(DVec3::splat(-1.0e5), DVec3::splat(1.0e5))
 }
 
+/// Contains every view frustum of most tests; small enough that no near plane counts as flat beside it.
+pub(crate) fn roomy_scene() -> Bounds {
+    Bounds::new(DVec3::splat(-1000.0), DVec3::splat(1000.0))
+}
+
 /// H and B of a camera in a scene.
 pub(crate) fn bodies(view: &ViewVolume, scene: &Bounds, light_travel: DVec3) -> (Polytope, Polytope) {
     let visible = light_visible(view, scene);
@@ -47,6 +53,17 @@ pub(crate) fn bodies(view: &ViewVolume, scene: &Bounds, light_travel: DVec3) -> 
 
 /// The light view of the whole camera range, without guard texels.
 pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: Warp) -> LightFit {
+    fit_with(view, scene, light_travel, warp, FitOptions::default())
+}
+
+/// The same with options.
+pub(crate) fn fit_with(
+    view: &ViewVolume,
+    scene: &Bounds,
+    light_travel: DVec3,
+    warp: Warp,
+    options: FitOptions,
+) -> LightFit {
     let (visible, body) = bodies(view, scene, light_travel);
     fit_light_view(&FitInput {
         view,
@@ -57,9 +74,18 @@ pub(crate) fn fit(view: &ViewVolume, scene: &Bounds, light_travel: DVec3, warp: 
         map_size: 1024,
         guard_texels: 0.0,
         guard_metres: 0.0,
+        options,
     })
     .fitted()
     .expect("a proper camera, scene and light")
+}
+
+/// m_x and m_z at a point of the papers' camera: the sides of a texel through the matrix over that of a pixel, resolutions
+/// equal. Beside the axis texels are sheared; the papers count their extent along it.
+pub(crate) fn errors(fit: &LightFit, view: &ViewVolume, point: DVec3) -> DVec2 {
+    let footprint = texel_footprint(&fit.clip_from_world, UVec2::splat(1024), point).expect("in front");
+    let sides = DVec2::new(footprint.across.length(), footprint.along.dot(fit.axes.y));
+    sides / (OPENING * view.depth(point) / 1024.0)
 }
 
 /// Asserts equality to a relative tolerance.

@@ -19,7 +19,9 @@ impl fmt::Display for Technique {
         let warp = match settings.warp {
             Warp::Uniform => "uniform",
             Warp::Lispsm => "lispsm",
+            Warp::Repar => "repar",
             Warp::Psm => "psm",
+            Warp::Tsm { .. } => "tsm",
             Warp::Free { .. } => "free",
         };
         match (count, settings.warp) {
@@ -98,6 +100,11 @@ fn changes(settings: &SunShadows) -> Vec<String> {
     {
         pairs.push(format!("eta={eta}"));
     }
+    if let Warp::Tsm { focus } = settings.warp
+        && focus != Warp::TSM_FOCUS
+    {
+        pairs.push(format!("focus={focus}"));
+    }
     if settings.fallback_map != default.fallback_map {
         pairs.push("fallback=off".to_owned());
     }
@@ -132,7 +139,14 @@ mod tests {
                     if splits.is_empty() || splits.len() + 1 < count as usize { SplitScheme::Uniform } else { SplitScheme::Manual(splits) }
                 }),
             ],
-            warp in prop_oneof![Just(Warp::Uniform), Just(Warp::Lispsm), Just(Warp::Psm), (-1.0f32..=1.0).prop_map(|eta| Warp::Free { eta })],
+            warp in prop_oneof![
+                Just(Warp::Uniform),
+                Just(Warp::Lispsm),
+                Just(Warp::Repar),
+                Just(Warp::Psm),
+                (0.0f32..=1.0).prop_map(|focus| Warp::Tsm { focus }),
+                (-1.0f32..=1.0).prop_map(|eta| Warp::Free { eta }),
+            ],
             map_size in 16u32..=4096,
             selection in prop_oneof![Just(PartitionSelection::Depth), Just(PartitionSelection::BestResolution)],
             filter in prop_oneof![Just(ShadowFilter::Hard), Just(ShadowFilter::Pcf2)],

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `bevy`, `bevy:normal_bias=1` | stock cascades, with Bevy's biases or others |
 //! | `uniform` | one focused map without warp |
-//! | `lispsm`, `psm`, `free` | one warped map |
+//! | `lispsm`, `repar`, `psm`, `tsm`, `free` | one warped map |
 //! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
 //!
 //! The keys and their values are in [`KEYS`]. Texels are budgeted: one map has 4096², several share 4096² in a square
@@ -113,7 +113,9 @@ impl Technique {
             Self::Bevy(StockBias::default()),
             of(1, Warp::Uniform),
             of(1, Warp::Lispsm),
+            of(1, Warp::Repar),
             of(1, Warp::Psm),
+            of(1, Warp::Tsm { focus: Warp::TSM_FOCUS }),
             of(4, Warp::Uniform),
             of(4, Warp::Lispsm),
             of(4, Warp::Psm),
@@ -148,7 +150,9 @@ impl Technique {
         let warp = match settings.warp {
             Warp::Uniform => "focused, no warp",
             Warp::Lispsm => "light space perspective warp",
+            Warp::Repar => "light space perspective warp that fades with the light's angle",
             Warp::Psm => "perspective shadow map warp",
+            Warp::Tsm { .. } => "trapezoidal warp",
             Warp::Free { .. } => "warp of free strength",
         };
         format!("{maps} of {0} x {0} texels, {warp}", settings.map_size)

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// The keys after the colon, with the values that they take.
-pub const KEYS: [(&str, &str); 16] = [
+pub const KEYS: [(&str, &str); 17] = [
     ("path", "full|dropin"),
     ("size", "texels per side of one map, 16..=8192"),
     ("split", "log|practical|uniform|manual"),
@@ -25,13 +25,14 @@ pub const KEYS: [(&str, &str); 16] = [
     ("near", "auto|metres > 0"),
     ("distance", "auto|metres > 0"),
     ("eta", "-1..=1, for the warp free"),
+    ("focus", "0..=1, share of the range in focus, for the warp tsm"),
     ("fallback", "on|off"),
     ("depth_bias", "metres >= 0, for bevy"),
     ("normal_bias", "texels >= 0, for bevy"),
 ];
 
 /// What is planned but not built yet; named so that the error can say so.
-const LATER: [&str; 7] = ["fp", "tiled", "queried", "fitted", "optimal", "repar", "tsm"];
+const LATER: [&str; 5] = ["fp", "tiled", "queried", "fitted", "optimal"];
 
 /// Metres of `bias=constant` when `bias_m` is not given.
 const CONSTANT_BIAS: f32 = 0.05;
@@ -49,7 +50,7 @@ pub enum TechniqueError {
     #[error("there is no technique `{0}`; available are {AVAILABLE}")]
     Base(String),
     /// No such warp.
-    #[error("there is no warp `{0}`; available are lispsm, psm and free")]
+    #[error("there is no warp `{0}`; available are lispsm, repar, psm, tsm and free")]
     Warp(String),
     /// z-partitions out of range.
     #[error("`{0}`: z-partitions are counted 1 to 16, as in `zp4`")]
@@ -86,7 +87,8 @@ pub enum TechniqueError {
     Together(String),
 }
 
-const AVAILABLE: &str = "bevy, uniform, zp1 to zp16 and the warps lispsm, psm and free, alone or as in `zp4+lispsm`";
+const AVAILABLE: &str =
+    "bevy, uniform, zp1 to zp16 and the warps lispsm, repar, psm, tsm and free, alone or as in `zp4+lispsm`";
 
 fn key_list() -> String {
     KEYS.map(|(key, _)| key).join(", ")
@@ -139,7 +141,9 @@ fn base_error(base: &str) -> TechniqueError {
 fn parse_warp(text: &str) -> Result<Warp, TechniqueError> {
     match text {
         "lispsm" => Ok(Warp::Lispsm),
+        "repar" => Ok(Warp::Repar),
         "psm" => Ok(Warp::Psm),
+        "tsm" => Ok(Warp::Tsm { focus: Warp::TSM_FOCUS }),
         "free" => Ok(Warp::Free { eta: 0.0 }),
         _ if LATER.contains(&text) => Err(TechniqueError::Later(text.to_owned())),
         _ => Err(TechniqueError::Warp(text.to_owned())),
@@ -391,11 +395,25 @@ fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitSch
 }
 
 fn warp_of(warp: Warp, pairs: &Pairs) -> Result<Warp, TechniqueError> {
-    match (pairs.read("eta", |text| number(text, -1.0..=1.0))?, warp) {
-        (None, warp) => Ok(warp),
-        (Some(eta), Warp::Free { .. }) => Ok(Warp::Free { eta }),
-        (Some(_), _) => Err(TechniqueError::Together("`eta=` belongs to the warp `free`".to_owned())),
+    let eta = pairs.read("eta", |text| number(text, -1.0..=1.0))?;
+    let focus = pairs.read("focus", |text| number(text, 0.0..=1.0))?;
+    if eta.is_some() && !matches!(warp, Warp::Free { .. }) {
+        return Err(TechniqueError::Together("`eta=` belongs to the warp `free`".to_owned()));
     }
+    if focus.is_some() && !matches!(warp, Warp::Tsm { .. }) {
+        return Err(TechniqueError::Together(
+            "`focus=` belongs to the warp `tsm`".to_owned(),
+        ));
+    }
+    Ok(match warp {
+        Warp::Free { eta: default } => Warp::Free {
+            eta: eta.unwrap_or(default),
+        },
+        Warp::Tsm { focus: default } => Warp::Tsm {
+            focus: focus.unwrap_or(default),
+        },
+        warp => warp,
+    })
 }
 
 fn bias_of(default: ShadowBias, pairs: &Pairs) -> Result<ShadowBias, TechniqueError> {
@@ -467,6 +485,9 @@ mod tests {
         }
         assert_eq!(settings("zp1"), settings("uniform"));
         assert_eq!(settings("zp4").warp, Warp::Uniform);
+        assert_eq!(settings("zp4+repar").warp, Warp::Repar);
+        assert_eq!(settings("tsm:focus=0.5").warp, Warp::Tsm { focus: 0.5 });
+        assert_eq!(settings("tsm"), settings("tsm:focus=0.2"));
     }
 
     #[test]
@@ -519,9 +540,8 @@ mod tests {
                 &["`tiled`", "not available in this version", "zp16", "lispsm"][..],
             ),
             ("fp4", &["`fp4`", "not available"]),
-            ("zp4+tsm", &["`tsm`", "not available"]),
             ("blur", &["no technique `blur`", "uniform"]),
-            ("zp4+blur", &["no warp `blur`", "psm"]),
+            ("zp4+blur", &["no warp `blur`", "repar, psm, tsm"]),
             ("zp0", &["1 to 16"]),
             ("zp17", &["1 to 16"]),
             ("zp", &["1 to 16"]),
@@ -545,6 +565,7 @@ mod tests {
             ("zp4:path=dropin,select=depth", &["`select=`"]),
             ("lispsm:path=dropin,fallback=off", &["`fallback=`"]),
             ("psm:path=dropin", &["stronger than lispsm"]),
+            ("tsm:path=dropin", &["stronger than lispsm"]),
             ("zp2+free:eta=0.5,path=dropin", &["stronger than lispsm"]),
             ("zp4:path=dropin,size=1000", &["power of two", "1000"]),
             ("zp4:lambda=nan", &["`lambda=nan`", "0..=1"]),
@@ -552,6 +573,10 @@ mod tests {
             ("zp4:split=manual", &["`splits=` with 3"]),
             ("zp4:splits=10/5/20", &["ascending"]),
             ("zp4+lispsm:eta=1", &["free"]),
+            ("zp4+tsm:eta=1", &["free"]),
+            ("free:focus=0.5", &["tsm"]),
+            ("repar:focus=0.5", &["tsm"]),
+            ("tsm:focus=1.5", &["`focus=1.5`", "0..=1"]),
             ("zp4:bias=none,bias_m=1", &["bias=constant"]),
             ("zp4:bias=constant,bias_scale=1", &["bias=footprint"]),
             ("zp4:near=-1", &["auto|metres"]),
