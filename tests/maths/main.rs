@@ -1,10 +1,15 @@
 //! Pure mathematics against the oracles of the papers and against properties.
 
 mod body;
+mod depth_offset;
+mod eye_blur;
+mod filter;
 mod fit;
 mod footprint;
+mod overhead;
 mod polytope;
 mod properties;
+mod shaders;
 mod split;
 mod support;
 mod warp;
