@@ -60,6 +60,9 @@
 //! | m_x, m_z | [`error::error_across`], [`error::error_along`] | S eq. 2.3 to 2.8; L eq. 7, 8 |
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
+//! | L, l (light frustum, light position) | [`light::Light::half_spaces`], [`light::Light::position`] | S 3.1 |
+//! | A_fit of a spot light, e, e + v | [`light::PointLightView::focused`], [`light::aligned_axes`] | S 3.1.2, 3.2.1 |
+//! | linear z, pulled-in near plane | [`light::LinearDepth`], [`depth_offset::linear_depth`] | S 3.1.2; L 6.4; Scherzer 2005, 4.2 |
 //! | r, H | [`depth_offset::DepthFormat::step`]; 1 ÷ `depth_per_metre` | Scherzer 2005, 4.2 |
 //! | r_l, s_i | radius in metres; [`filter::kernel::kernel_per_metre`] | S 3.6.1, eq. 3.9 |
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
@@ -74,6 +77,7 @@ pub mod filter;
 pub mod fit;
 pub mod footprint;
 mod hull;
+pub mod light;
 pub mod polytope;
 pub mod split;
 pub mod view;

@@ -6,6 +6,8 @@ mod eye_blur;
 mod filter;
 mod fit;
 mod footprint;
+mod light;
+mod light_body;
 mod overhead;
 mod polytope;
 mod properties;
