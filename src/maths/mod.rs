@@ -66,6 +66,7 @@
 //! | r, H | [`depth_offset::DepthFormat::step`]; 1 ÷ `depth_per_metre` | Scherzer 2005, 4.2 |
 //! | r_l, s_i | radius in metres; [`filter::kernel::kernel_per_metre`] | S 3.6.1, eq. 3.9 |
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
+//! | minimum depth | [`near_plane::DepthChain`], [`near_plane::late_near`] | S 4.3, A.2 |
 
 pub mod bias;
 pub mod body;
@@ -78,6 +79,7 @@ pub mod fit;
 pub mod footprint;
 mod hull;
 pub mod light;
+pub mod near_plane;
 pub mod polytope;
 pub mod split;
 pub mod view;

@@ -8,6 +8,7 @@ mod fit;
 mod footprint;
 mod light;
 mod light_body;
+mod near_plane;
 mod overhead;
 mod polytope;
 mod properties;
