@@ -61,11 +61,14 @@
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
 //! | L, l (light frustum, light position) | [`light::Light::half_spaces`], [`light::Light::position`] | S 3.1 |
+//! | B = hull(H ∪ {l}) ∩ S ∩ L | [`body::intersection_body_of_light`] | S 3.1.1 |
+//! | B of Stamminger and Drettakis | [`body::unfocused_body`] | S 3.1.1, fig. 3.1 |
 //! | A_fit of a spot light, e, e + v | [`light::PointLightView::focused`], [`light::aligned_axes`] | S 3.1.2, 3.2.1 |
 //! | linear z, pulled-in near plane | [`light::LinearDepth`], [`depth_offset::linear_depth`] | S 3.1.2; L 6.4; Scherzer 2005, 4.2 |
 //! | r, H | [`depth_offset::DepthFormat::step`]; 1 ÷ `depth_per_metre` | Scherzer 2005, 4.2 |
 //! | r_l, s_i | radius in metres; [`filter::kernel::kernel_per_metre`] | S 3.6.1, eq. 3.9 |
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
+//! | 64 levels of scale | [`stable::levels::ScaleLevels`] | S 3.5 |
 //! | minimum depth | [`near_plane::DepthChain`], [`near_plane::late_near`] | S 4.3, A.2 |
 
 pub mod bias;
@@ -82,5 +85,6 @@ pub mod light;
 pub mod near_plane;
 pub mod polytope;
 pub mod split;
+pub mod stable;
 pub mod view;
 pub mod warp;

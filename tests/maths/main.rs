@@ -14,5 +14,7 @@ mod polytope;
 mod properties;
 mod shaders;
 mod split;
+mod stable;
+mod stable_warp;
 mod support;
 mod warp;
