@@ -3,7 +3,7 @@
 // Reverse z: an offset moves the receiver towards the light.
 #define_import_path umbrage::depth_offset
 
-#import umbrage::bias::ReceiverPlane
+#import umbrage::bias::{MIN_COS_LIGHT, ReceiverPlane}
 
 // Depths below this have the steps of this depth.
 const SMALLEST_DEPTH: f32 = 1e-6;
@@ -17,6 +17,15 @@ fn constant_offset(plane: ReceiverPlane, metres: f32) -> f32 {
 fn slope_scaled_offset(plane: ReceiverPlane, size: vec2<f32>, factor: f32, constant: f32) -> f32 {
     let slope = abs(plane.depth_per_uv) / size;
     return factor * max(slope.x, slope.y) + constant;
+}
+
+// factor * tan * texel side in the light plane, as depth; tan of the angle between normal and light. The side is the root
+// of the texel's area there, which is that on the receiver times the cosine.
+fn world_slope_offset(plane: ReceiverPlane, size: vec2<f32>, cosine: f32, factor: f32) -> f32 {
+    let limited = clamp(cosine, MIN_COS_LIGHT, 1.0);
+    let tangent = sqrt(1.0 - limited * limited) / limited;
+    let side = sqrt(limited / (plane.uv_area_per_square_metre * size.x * size.y));
+    return factor * tangent * side * plane.depth_per_metre;
 }
 
 // Change of depth of the receiver's plane over a whole texel, along both axes together.

@@ -7,7 +7,7 @@
 //!
 //! | kind | where it acts |
 //! |---|---|
-//! | constant, slope-scaled, receiver plane, local footprint | lookup: [`DepthOffset`] |
+//! | constant, slope-scaled (map or world), receiver plane, local footprint | lookup: [`DepthOffset`] |
 //! | back faces | caster pass: it culls front faces; [`StoredDepth::BackFaces`] |
 //! | second depth, midpoint, dual | caster pass into two maps; [`StoredDepth`] combines them |
 //! | linear depth | caster pass: it writes [`linear_depth`]; the lookup compares with the same |
@@ -22,7 +22,7 @@
 
 use bevy_math::Vec2;
 
-use super::bias::ReceiverPlane;
+use super::bias::{MIN_COS_LIGHT, ReceiverPlane};
 
 /// How a shadow map holds depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +76,13 @@ pub enum DepthOffset {
         /// Of the map.
         format: DepthFormat,
     },
+    /// factor · tan θ_l · the side of a texel, in metres in the light plane, and that as depth: the slope-scaled bias of
+    /// world space that is taken to the space behind the warp (Kozlov 2004, after Scherzer, section 4.2). As slope-scaled
+    /// where texels are square.
+    WorldSlope {
+        /// Sides of a texel.
+        factor: f32,
+    },
     /// The depth of the receiver's plane at the centre of every texel that is read. Exact for planar receivers at any
     /// kernel size; the constant covers rounding.
     ReceiverPlane {
@@ -102,8 +109,8 @@ pub struct Offset {
 }
 
 impl DepthOffset {
-    /// The offset for a receiver in a map with `size` texels.
-    pub fn at(self, plane: &ReceiverPlane, size: Vec2) -> Offset {
+    /// The offset for a receiver in a map with `size` texels. `cosine`: between the receiver's normal and the light.
+    pub fn at(self, plane: &ReceiverPlane, size: Vec2, cosine: f32) -> Offset {
         let (depth, follows_plane) = match self {
             Self::None => (0.0, false),
             Self::Constant { metres } => (constant_offset(plane, metres), false),
@@ -111,6 +118,7 @@ impl DepthOffset {
                 slope_scaled_offset(plane, size, factor, units * format.step(plane.depth_ndc)),
                 false,
             ),
+            Self::WorldSlope { factor } => (world_slope_offset(plane, size, cosine, factor), false),
             Self::ReceiverPlane { metres } => (constant_offset(plane, metres), true),
             Self::Footprint { metres, share } => {
                 (constant_offset(plane, metres) + share * texel_span(plane, size), true)
@@ -133,6 +141,15 @@ pub fn metres_of_offset(plane: &ReceiverPlane, depth: f32) -> f32 {
 /// factor · slope + a constant, where the slope is the larger change of depth over one texel along the map's axes.
 pub fn slope_scaled_offset(plane: &ReceiverPlane, size: Vec2, factor: f32, constant: f32) -> f32 {
     factor * (plane.depth_per_uv.abs() / size).max_element() + constant
+}
+
+/// factor · tan θ_l · texel side in the light plane, as depth. The side is the root of the texel's area there, which is
+/// that on the receiver times cos θ_l.
+pub fn world_slope_offset(plane: &ReceiverPlane, size: Vec2, cosine: f32, factor: f32) -> f32 {
+    let cosine = cosine.clamp(MIN_COS_LIGHT, 1.0);
+    let tangent = (1.0 - cosine * cosine).sqrt() / cosine;
+    let side = (cosine / (plane.uv_area_per_square_metre * size.element_product())).sqrt();
+    factor * tangent * side * plane.depth_per_metre
 }
 
 /// Change of depth of the receiver's plane over a whole texel, along both axes together.

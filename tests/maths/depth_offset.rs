@@ -5,7 +5,7 @@ use umbrage::maths::{
     bias::receiver_plane,
     depth_offset::{
         DepthFormat, DepthOffset, StoredDepth, constant_offset, linear_depth, metres_of_offset, slope_scaled_offset,
-        texel_span, vertex_depth_error,
+        texel_span, vertex_depth_error, world_slope_offset,
     },
     filter::lookup::hard,
     warp::Warp,
@@ -47,7 +47,7 @@ fn slope_scaled_offsets() {
     }
     let facing = plane_at(Vec3::ZERO, Vec3::Y);
     assert!(
-        slope_scaled(2.0, 0.0).at(&facing, size).depth < 1e-7,
+        slope_scaled(2.0, 0.0).at(&facing, size, 1.0).depth < 1e-7,
         "zero for a plane that faces the light"
     );
     // The same depth for every texel, whatever the slope.
@@ -55,7 +55,7 @@ fn slope_scaled_offsets() {
     for degrees in [0.0, 30.0, 80.0] {
         let plane = plane_at(Vec3::ZERO, slope_of(degrees));
         assert!(
-            (constant.at(&plane, size).depth - 0.1 / HEIGHT).abs() < 1e-7,
+            (constant.at(&plane, size, 0.5).depth - 0.1 / HEIGHT).abs() < 1e-7,
             "{degrees}°"
         );
         assert!(
@@ -63,6 +63,15 @@ fn slope_scaled_offsets() {
             "{degrees}°"
         );
     }
+    // In the world: the same where texels are square and the plane rises along one axis.
+    for degrees in [10.0_f32, 45.0, 75.0] {
+        let plane = plane_at(Vec3::ZERO, slope_of(degrees));
+        let world = world_slope_offset(&plane, size, degrees.to_radians().cos(), 1.5);
+        let map = slope_scaled_offset(&plane, size, 1.5, 0.0);
+        assert!((world / map - 1.0).abs() < 1e-3, "{world} and {map} at {degrees}°");
+    }
+    let averted = world_slope_offset(&plane_at(Vec3::ZERO, Vec3::Y), size, -0.4, 1.0);
+    assert!(averted.is_finite(), "limited");
     // Both axes count for the span of a texel, the larger one for the slope.
     let diagonal = plane_at(Vec3::ZERO, Vec3::new(-0.3, 1.0, -0.3));
     let ratio = texel_span(&diagonal, size) / slope_scaled_offset(&diagonal, size, 1.0, 0.0);
@@ -93,6 +102,12 @@ fn planes_do_not_shade_themselves() {
             lit_share(normal, slope_scaled(1.0, 16.0)),
             1.0,
             "slope-scaled on {normal}"
+        );
+        let world_slope = DepthOffset::WorldSlope { factor: 1.0 };
+        assert_eq!(
+            lit_share(normal, world_slope),
+            1.0,
+            "slope-scaled in the world on {normal}"
         );
         assert_eq!(lit_share(normal, MILLIMETRE), 1.0, "receiver plane on {normal}");
         let footprint = DepthOffset::Footprint {

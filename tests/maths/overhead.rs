@@ -30,7 +30,9 @@ pub(crate) fn plane_at(position: Vec3, normal: Vec3) -> ReceiverPlane {
 }
 
 pub(crate) fn lookup(plane: ReceiverPlane, offset: DepthOffset) -> Lookup {
-    let offset = offset.at(&plane, Vec2::splat(SIZE));
+    // A square metre of the light plane has the same texture coordinates on any plane above it.
+    let cosine = plane.uv_area_per_square_metre * 4.0 * EXTENT * EXTENT;
+    let offset = offset.at(&plane, Vec2::splat(SIZE), cosine);
     Lookup {
         plane,
         rect: Vec4::new(128.0, 64.0, SIZE, SIZE),

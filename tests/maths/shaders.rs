@@ -66,7 +66,13 @@ fn filters_compile_with_the_functions_of_their_twins() {
             assert!(names.contains(&name), "{file}: {name} has no twin among {names:?}");
         }
     }
-    for name in ["constant_offset", "slope_scaled_offset", "texel_span", "float_step"] {
+    for name in [
+        "constant_offset",
+        "slope_scaled_offset",
+        "world_slope_offset",
+        "texel_span",
+        "float_step",
+    ] {
         assert!(names.iter().any(|other| other == name), "{name} has no twin");
     }
 }

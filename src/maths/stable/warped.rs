@@ -70,7 +70,8 @@ pub struct SeenPoint {
 pub struct WarpWish<'a> {
     /// Light space, y along the warp axis.
     pub axes: LightAxes,
-    /// A world-space point at the near end of the warp, beside the projection centre: the origin of light space.
+    /// A world-space point at the near end of the warp, beside the projection centre and at its height: the origin of the
+    /// fit's light space.
     pub near_point: DVec3,
     /// n', metres; infinite for no warp.
     pub warp_near: f64,
@@ -104,6 +105,9 @@ pub struct WarpedGrid {
     pub warp_near: f64,
     /// S: texels per metre at the anchor, across and along.
     pub texels_per_metre: DVec2,
+    /// Light-space z of the projection centre, metres. No texel depends on it, but the depths of the map do, as
+    /// [`fit_light_view`](crate::maths::fit::fit_light_view) explains.
+    pub level: f64,
 }
 
 /// The texels of a grid that a map holds.
@@ -182,9 +186,30 @@ impl WarpedGrid {
         })
     }
 
-    /// World to clip space, reverse z. Depth is that of [`fit_light_view`](crate::maths::fit::fit_light_view): 0 and 1
-    /// where (z − `level`) ÷ w is `farthest` and `nearest`.
-    pub fn clip_from_world(&self, window: &GridWindow, level: f64, farthest: f64, nearest: f64) -> DMat4 {
+    /// Least and greatest (z − `level`) ÷ w over the corners of B, with two local texels to spare, rounded outwards to a
+    /// 32nd of the power of two below their distance: what [`WarpedGrid::clip_from_world`] maps to depths 0 and 1. The same in 86 %
+    /// of the frames of the walk. `None` for no corners, or one behind the projection centre.
+    pub fn depth_range(&self, body: &[DVec3]) -> Option<(f64, f64)> {
+        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        for point in body {
+            let width = self.width(self.axes.y.dot(*point));
+            if !(width > 0.0) {
+                return None;
+            }
+            let margin = 2.0 * (DVec2::new(width, width * width) / self.texels_per_metre).max_element();
+            let height = self.axes.z.dot(*point) - self.level;
+            range = (
+                range.0.min((height - margin) / width),
+                range.1.max((height + margin) / width),
+            );
+        }
+        let step = (range.1 - range.0).log2().floor().exp2() / 32.0;
+        let rounded = ((range.0 / step).floor() * step, (range.1 / step).ceil() * step);
+        (rounded.0.is_finite() && rounded.0 < rounded.1).then_some(rounded)
+    }
+
+    /// World to clip space, reverse z. `farthest` and `nearest` from [`WarpedGrid::depth_range`].
+    pub fn clip_from_world(&self, window: &GridWindow, farthest: f64, nearest: f64) -> DMat4 {
         let bend = 1.0 / self.warp_near;
         let row_width = (self.axes.y * bend).extend(1.0 - self.anchor.y * bend);
         let ndc_per_texel = 2.0 / f64::from(window.map_size);
@@ -192,7 +217,7 @@ impl WarpedGrid {
             axis.extend(-anchor) * (scale * ndc_per_texel) - row_width * (first * ndc_per_texel + 1.0)
         };
         let depth_per_metre = 1.0 / (nearest - farthest);
-        let row_depth: DVec4 = (self.axes.z.extend(-level) - row_width * farthest) * depth_per_metre;
+        let row_depth: DVec4 = (self.axes.z.extend(-self.level) - row_width * farthest) * depth_per_metre;
         let rows = DMat4::from_cols(
             row(self.axes.x, self.anchor.x, self.texels_per_metre.x, window.first.x),
             row(self.axes.y, self.anchor.y, self.texels_per_metre.y, window.first.y),
@@ -226,6 +251,7 @@ fn wished(wish: &WarpWish) -> WarpedGrid {
         anchor: DVec2::new(wish.axes.x.dot(wish.near_point), wish.axes.y.dot(wish.near_point)),
         warp_near: wish.warp_near,
         texels_per_metre: DVec2::ONE,
+        level: wish.axes.z.dot(wish.near_point),
     }
 }
 
@@ -298,8 +324,10 @@ pub fn lattice(wish: &WarpWish, steps: &LatticeSteps, settings: &StableSettings)
         let spacing = grid.warp_near * steps.anchor_share;
         grid.anchor.x = (grid.anchor.x / spacing).round() * spacing;
         grid.anchor.y = (grid.anchor.y / spacing).floor() * spacing;
+        grid.level = (grid.level / spacing).round() * spacing;
     } else {
         grid.anchor = DVec2::ZERO;
+        grid.level = 0.0;
     }
     let mut grid = fitting(grid, wish, settings, 0.0)?;
     grid.texels_per_metre = DVec2::new(
