@@ -160,6 +160,11 @@ fn there_are_64_levels() {
             spacing,
         };
         close(levels.half_extent(LEVEL_COUNT), 200.0, 1.0e-12);
+        let lowest = match spacing {
+            Spacing::Equal => 3.125,
+            Spacing::Geometric { smallest } => smallest,
+        };
+        close(levels.half_extent(1), lowest, 1.0e-12);
         let mut seen = BTreeSet::new();
         let mut worst: f64 = 1.0;
         for step in 1..=20_000 {
