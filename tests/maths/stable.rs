@@ -7,7 +7,7 @@ use umbrage::maths::{
     body::light_visible,
     bounds::Bounds,
     stable::{
-        fixed_axes,
+        fixed_axes, held_light,
         levels::{LEVEL_COUNT, ScaleLevels, Spacing},
         sphere::{SnappedMap, bounding_sphere},
     },
@@ -149,6 +149,30 @@ fn sphere_maps_move_by_whole_texels() {
         }
         assert!(moved > 70, "the map follows the camera");
     }
+}
+
+/// A sun that moves steadily is drawn in steps, never farther away than the tolerance.
+#[test]
+fn the_light_is_held() {
+    let sun = |step: i32| {
+        let angle = 1.0 + f64::from(step) * 0.0005;
+        DVec3::new(angle.cos(), -angle.sin(), 0.2)
+    };
+    let (mut held, mut changes) = (None, 0);
+    for step in 0..1000 {
+        let next = held_light(held, sun(step), 0.0046);
+        assert!(next.angle_between(sun(step)) <= 0.0046, "step {step}");
+        changes += i32::from(held.is_some_and(|held| held != next));
+        held = Some(next);
+    }
+    assert!((95..=112).contains(&changes), "{changes} changes within half a radian");
+    assert_eq!(held_light(Some(DVec3::ZERO), LIGHT, 0.01), LIGHT);
+    assert_eq!(held_light(Some(DVec3::NAN), LIGHT, 0.01), LIGHT);
+    assert_eq!(
+        held_light(Some(LIGHT * 2.0), LIGHT, 0.01),
+        LIGHT * 2.0,
+        "the same direction"
+    );
 }
 
 /// The sizes of maps come from 64 values (Stingl, oracle 24).

@@ -152,6 +152,33 @@ fn matrices_of_grids_agree_with_the_fit() {
     }
 }
 
+/// Shaders work in single precision: within 100 m of the origin the grid stays to a fiftieth of a texel.
+#[test]
+fn single_precision_keeps_the_grid() {
+    let mut seen = Vec::new();
+    let mut last: Option<StableMap> = None;
+    for frame in 0..60 {
+        let (eye, forward) = walk(f64::from(frame) / 60.0);
+        let slice = camera(eye + DVec3::new(80.0, 0.0, -60.0), forward, 2.2, 16.0);
+        let wish = wish(&slice, Warp::Lispsm, &mut seen);
+        let map = hold(last.as_ref().map(|map| &map.grid), &wish, &settings()).expect("sees the land");
+        let shadow_texel = |map: &StableMap, point: DVec3| {
+            let ndc = matrix(map).as_mat4().project_point3(point.as_vec3());
+            (ndc.truncate().as_dvec2() * 0.5 + 0.5) * f64::from(MAP_SIZE)
+        };
+        if let Some(last) = last.filter(|last| last.grid == map.grid) {
+            for point in wish.seen {
+                let shift = shadow_texel(&map, point.position) - shadow_texel(&last, point.position);
+                assert!(
+                    (shift - shift.round()).abs().max_element() < 0.02,
+                    "frame {frame}: {shift}"
+                );
+            }
+        }
+        last = Some(map);
+    }
+}
+
 /// All of B lies inside the depths of its map, with room for bias, and they rarely change.
 #[test]
 fn depths_of_stable_maps() {
