@@ -19,8 +19,8 @@ fn slope_scaled_offset(plane: ReceiverPlane, size: vec2<f32>, factor: f32, const
     return factor * max(slope.x, slope.y) + constant;
 }
 
-// factor * tan * texel side in the light plane, as depth; tan of the angle between normal and light. The side is the root
-// of the texel's area there, which is that on the receiver times the cosine.
+// factor * tan * texel side in the light plane, as depth; tan of the angle between normal and light. The side is the
+// root of the texel's area there, which is that on the receiver times the cosine.
 fn world_slope_offset(plane: ReceiverPlane, size: vec2<f32>, cosine: f32, factor: f32) -> f32 {
     let limited = clamp(cosine, MIN_COS_LIGHT, 1.0);
     let tangent = sqrt(1.0 - limited * limited) / limited;

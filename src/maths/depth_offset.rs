@@ -2,8 +2,8 @@
 //! ([`DepthOffset`], the CPU twin of `shaders/depth_offset.wgsl` in the same single precision).
 //!
 //! Self-shadowing comes from comparing a pixel with a texel's centre, where the receiver itself has another depth, and
-//! from finite depth steps (Scherzer 2005, sections 3.1 and 4.2). Depth here is reverse z: 1 nearest to the light, so an
-//! offset moves the receiver *up*, towards the light.
+//! from finite depth steps (Scherzer 2005, sections 3.1 and 4.2). Depth here is reverse z: 1 nearest to the light, so
+//! an offset moves the receiver *up*, towards the light.
 //!
 //! | kind | where it acts |
 //! |---|---|
@@ -15,10 +15,10 @@
 //! # Hyperbolic and linear depth under a warp
 //!
 //! The warp's w is constant along every light ray, so depth is affine in the distance along the ray: one metre is
-//! 1 ÷ (H w) of depth, H being the height range of the map (Scherzer, section 4.2). A constant offset of depth therefore
-//! grows with w in metres, by the whole f' ÷ n' from the near end to the far end of the map; [`DepthOffset::Constant`]
-//! takes metres instead and is the same everywhere. Planes stay planes under the warp: offsets by slope are exact.
-//! Linear depth that a vertex shader writes is not: see [`vertex_depth_error`].
+//! 1 ÷ (H w) of depth, H being the height range of the map (Scherzer, section 4.2). A constant offset of depth
+//! therefore grows with w in metres, by the whole f' ÷ n' from the near end to the far end of the map;
+//! [`DepthOffset::Constant`] takes metres instead and is the same everywhere. Planes stay planes under the warp:
+//! offsets by slope are exact. Linear depth that a vertex shader writes is not: see [`vertex_depth_error`].
 
 use bevy_math::Vec2;
 
@@ -76,9 +76,9 @@ pub enum DepthOffset {
         /// Of the map.
         format: DepthFormat,
     },
-    /// factor · tan θ_l · the side of a texel, in metres in the light plane, and that as depth: the slope-scaled bias of
-    /// world space that is taken to the space behind the warp (Kozlov 2004, after Scherzer, section 4.2). As slope-scaled
-    /// where texels are square.
+    /// factor · tan θ_l · the side of a texel, in metres in the light plane, and that as depth: the slope-scaled bias
+    /// of world space that is taken to the space behind the warp (Kozlov 2004, after Scherzer, section 4.2). As
+    /// slope-scaled where texels are square.
     WorldSlope {
         /// Sides of a texel.
         factor: f32,

@@ -240,7 +240,8 @@ impl PointLightView {
 ///
 /// With e and v in light space and s the distance along the axis, (e + t v).xy ÷ s(e + t v) changes along
 /// v.xy s(e) − e.xy s(v) for any t: taking the derivative instead of a second point, no point can lie behind the light.
-/// `None` when the axis has no direction; where the view direction is seen end-on, the camera's up direction takes over.
+/// `None` when the axis has no direction; where the view direction is seen end-on, the camera's up direction takes
+/// over.
 pub fn aligned_axes(position: DVec3, axis: DVec3, view: &ViewVolume, seen: DVec3) -> Option<LightAxes> {
     let axes = LightAxes::new(view.forward(), view.up(), axis)?;
     let (offset, along) = (seen - position, view.forward());

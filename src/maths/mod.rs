@@ -64,7 +64,7 @@
 //! | B = hull(H ∪ {l}) ∩ S ∩ L | [`body::intersection_body_of_light`] | S 3.1.1 |
 //! | B of Stamminger and Drettakis | [`body::unfocused_body`] | S 3.1.1, fig. 3.1 |
 //! | A_fit of a spot light, e, e + v | [`light::PointLightView::focused`], [`light::aligned_axes`] | S 3.1.2, 3.2.1 |
-//! | linear z, pulled-in near plane | [`light::LinearDepth`], [`depth_offset::linear_depth`] | S 3.1.2; L 6.4; Scherzer 2005, 4.2 |
+//! | linear z, near plane of Brabec | [`light::LinearDepth`], [`depth_offset::linear_depth`] | S 3.1.2; L 6.4 |
 //! | r, H | [`depth_offset::DepthFormat::step`]; 1 ÷ `depth_per_metre` | Scherzer 2005, 4.2 |
 //! | r_l, s_i | radius in metres; [`filter::kernel::kernel_per_metre`] | S 3.6.1, eq. 3.9 |
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |

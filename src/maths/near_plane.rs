@@ -1,14 +1,16 @@
 //! The near plane for shadows: by hand, or from the least depth of the picture (Stingl 2011, section 4.3).
 //!
-//! The nearer the near plane, the larger n' and f ÷ n, and the coarser the map: between the eye and the first thing that
-//! is seen, texels are wasted. A GPU reduces the depths of the prepass to their least; [`DepthChain`] is its CPU twin.
+//! The nearer the near plane, the larger f ÷ n, and the coarser the map: between the eye and the first thing
+//! that is seen, texels are wasted. A GPU reduces the depths of the prepass to their least; [`DepthChain`] is its CPU
+//! twin.
 
 use bevy_math::{DVec3, UVec2};
 
 use super::{body::adjusted_depths, bounds::Bounds, polytope::Polytope, view::ViewVolume};
 
 /// Smallest and largest near plane that a control should offer, in metres: up to the adjusted far plane, and down to
-/// `smallest` with the eye inside S, else to the adjusted near plane (Stingl, section 4.3). `None` when nothing is seen.
+/// `smallest` with the eye inside S, else to the adjusted near plane (Stingl, section 4.3). `None` when nothing is
+/// seen.
 pub fn near_limits(view: &ViewVolume, scene: &Bounds, visible: &Polytope, smallest: f64) -> Option<(f64, f64)> {
     let (near, far) = adjusted_depths(visible, view)?;
     let low = if scene.contains(view.eye(), 0.0) {
@@ -38,8 +40,8 @@ pub struct DepthChain {
 impl DepthLevel {
     /// The next level: size ÷ 2, rounded down, at least 1.
     ///
-    /// A texel covers two texels of the source on each axis, the last one three where the source's size is odd: rounding
-    /// down never loses a column. (The listing in the thesis reads four texels and assumes even sizes.)
+    /// A texel covers two texels of the source on each axis, the last one three where the source's size is odd:
+    /// rounding down never loses a column. (The listing in the thesis reads four texels and assumes even sizes.)
     pub fn reduced(&self) -> Self {
         let size = (self.size / 2).max(UVec2::ONE);
         let last = |place: u32, size: u32, source: u32| {
@@ -108,8 +110,8 @@ pub struct Motion {
     pub time: f64,
 }
 
-/// The near plane to use when the least depth is known from an earlier frame only: how near something seen then may have
-/// come. Never nearer than the view's own near plane.
+/// The near plane to use when the least depth is known from an earlier frame only: how near something seen then may
+/// have come. Never nearer than the view's own near plane.
 ///
 /// A point seen at view depth z lies at z ÷ cos α from the eye, α at most the angle θ from the axis to a corner of the
 /// picture. Turning by δ = ω t moves it to at most α + δ from the axis, walking by s t brings it nearer by as much:
@@ -119,10 +121,10 @@ pub struct Motion {
 /// ```
 ///
 /// This holds for everything inside the earlier picture, also for what was hidden: it lies farther along the same ray.
-/// (So it holds for near planes only; a hidden point may lie beyond any earlier far plane.) It cannot hold for what enters
-/// from beside the picture: a strip of [`entering_angle`] along its borders in which something nearer than the result can
-/// appear. Such receivers lie in no map for the frames of the delay; measure with a field of view wider by the strip, or
-/// treat them as lit, as everything outside of maps is.
+/// (So it holds for near planes only; a hidden point may lie beyond any earlier far plane.) It cannot hold for what
+/// enters from beside the picture: a strip of [`entering_angle`] along its borders in which something nearer than the
+/// result can appear. Such receivers lie in no map for the frames of the delay; measure with a field of view wider by
+/// the strip, or treat them as lit, as everything outside of maps is.
 pub fn late_near(least_depth: f64, view: &ViewVolume, motion: &Motion) -> f64 {
     let (turn, step) = (motion.turning.abs() * motion.time, motion.speed.abs() * motion.time);
     let corner = corner_tangent(view);

@@ -91,8 +91,8 @@ fn smallest_steps() {
     assert_eq!(next - 0.3, DepthFormat::Float32.step(0.3));
 }
 
-/// Scherzer, oracle 17: slope-scaled by one texel suffices, nothing does not, and one constant for a fan of slopes is that
-/// of the steepest.
+/// Scherzer, oracle 17: slope-scaled by one texel suffices, nothing does not, and one constant for a fan of slopes is
+/// that of the steepest.
 #[test]
 fn planes_do_not_shade_themselves() {
     let fan = [0.0, 20.0, 40.0, 60.0, 70.0, 80.0].map(slope_of);

@@ -143,8 +143,8 @@ fn wide_kernels_do_not_shade_their_receiver() {
     }
 }
 
-/// Stingl, oracle 23 and equation 3.9: kernels have one size in the world, over maps of different extents and in a warped
-/// map; ours is a radius.
+/// Stingl, oracle 23 and equation 3.9: kernels have one size in the world, over maps of different extents and in a
+/// warped map; ours is a radius.
 #[test]
 fn kernels_have_their_size_in_the_world() {
     let uniform = |extent: f32| {

@@ -133,8 +133,8 @@ fn late_near_planes_are_tight() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// No receiver that lies in the earlier picture's frustum beyond its least depth is nearer than the late near plane.
-    /// What is seen later but was not in the earlier frustum lies within the entering angle of its border.
+    /// No receiver that lies in the earlier picture's frustum beyond its least depth is nearer than the late near
+    /// plane. What is seen later but was not in the earlier frustum lies within the entering angle of its border.
     #[test]
     fn late_near_planes_lose_nothing_that_was_in_view(
         place in [-1.0_f64..1.0, -1.0_f64..1.0], depth in 2.0_f64..60.0, least in 0.5_f64..2.0,

@@ -115,7 +115,8 @@ fn spheres_do_not_change_with_the_camera() {
     assert_eq!(fixed_axes(DVec3::ZERO), None);
 }
 
-/// Stingl, section 3.5, exact solution; Lloyd, section 7: walking and turning shift the map by whole texels, nothing else.
+/// Stingl, section 3.5, exact solution; Lloyd, section 7: walking and turning shift the map by whole texels, nothing
+/// else.
 #[test]
 fn sphere_maps_move_by_whole_texels() {
     let axes = fixed_axes(LIGHT).expect("a light");
@@ -239,8 +240,8 @@ fn levels_are_held_against_jitter() {
     assert_eq!(levels.held(Some(9), 65.0), None);
 }
 
-/// Stingl, oracle 24: with the level unchanged the texel grid stays; sizes come from at most 64 values per axis; all that
-/// is focused on is inside.
+/// Stingl, oracle 24: with the level unchanged the texel grid stays; sizes come from at most 64 values per axis; all
+/// that is focused on is inside.
 #[test]
 fn quantised_focus_moves_by_whole_texels_within_a_level() {
     let axes = fixed_axes(LIGHT).expect("a light");

@@ -1,11 +1,11 @@
 //! A disc of taps around the receiver.
 //!
-//! The taps lie on Vogel's spiral (H. Vogel, *A better way to construct the sunflower head*, Mathematical Biosciences 44,
-//! 1979): tap i of n at radius √((i + ½) ÷ n) and i golden angles. Every tap stands for the same area, and no two come
-//! nearer than 1.5 ÷ √n radii: the property for which Poisson discs are used (Stingl 2011, section 3.6), without a table,
-//! for any number of taps. Each pixel turns the disc by its own angle, from the interleaved gradient noise of J. Jimenez
-//! (*Next generation post processing in Call of Duty: Advanced Warfare*, SIGGRAPH 2014 course): bands become fine noise,
-//! which the blur of [`eye_blur`](super::eye_blur) removes.
+//! The taps lie on Vogel's spiral (H. Vogel, *A better way to construct the sunflower head*, Mathematical Biosciences
+//! 44, 1979): tap i of n at radius √((i + ½) ÷ n) and i golden angles. Every tap stands for the same area, and no two
+//! come nearer than 1.5 ÷ √n radii: the property for which Poisson discs are used (Stingl 2011, section 3.6), without a
+//! table, for any number of taps. Each pixel turns the disc by its own angle, from the interleaved gradient noise of J.
+//! Jimenez (*Next generation post processing in Call of Duty: Advanced Warfare*, SIGGRAPH 2014 course): bands become
+//! fine noise, which the blur of [`eye_blur`](super::eye_blur) removes.
 
 use bevy_math::{IVec2, Vec2, Vec4Swizzles};
 

@@ -1,17 +1,19 @@
 //! Blur of the shadow result on the screen: the CPU twin of `shaders/blur/eye_blur.wgsl`.
 //!
-//! Scherzer 2005, section 4.3, hides the stripes of projection aliasing by blurring the screen-sized shadow result up to
-//! 16 times, more near the viewer than far away. The paper names neither kernel nor function of depth; here:
+//! Scherzer 2005, section 4.3, hides the stripes of projection aliasing by blurring the screen-sized shadow result up
+//! to 16 times, more near the viewer than far away. The paper names neither kernel nor function of depth; here:
 //!
-//! - One iteration is \[1 2 1] ÷ 4 along the rows, then along the columns: variance i ÷ 2 pixels² per axis after i of them.
+//! - One iteration is \[1 2 1] ÷ 4 along the rows, then along the columns: variance i ÷ 2 pixels² per axis after i of
+//!   them.
 //! - Artefacts have a size in the world, so their size on the screen falls with 1 ÷ z and the variance that hides them
 //!   with 1 ÷ z²: a pixel takes part in [`iterations_at`] its depth. A last iteration may count in part, so that no
 //!   ring of pixels is seen where the number changes.
 //! - Neighbours exchange values only where both lie on one surface ([`is_same_surface`]): nothing crosses an edge of
 //!   depth or normals, and sky keeps out.
-//! - Two neighbours exchange with the smaller of both strengths, and what a pixel does not take from a neighbour it keeps
-//!   of its own. So every iteration is a diffusion: values stay in 0..=1, their sum over the picture is unchanged, even
-//!   along edges, and a constant stays a constant. (Renormalising by accepted weights would keep only the first and last.)
+//! - Two neighbours exchange with the smaller of both strengths, and what a pixel does not take from a neighbour it
+//!   keeps of its own. So every iteration is a diffusion: values stay in 0..=1, their sum over the picture is
+//!   unchanged, even along edges, and a constant stays a constant. (Renormalising by accepted weights would keep only
+//!   the first and last.)
 //!
 //! A filter, not a soft shadow: it knows no penumbra.
 

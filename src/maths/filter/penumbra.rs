@@ -1,13 +1,13 @@
-//! Penumbrae of a sun with a size: blocker search and filter (R. Fernando, *Percentage-closer soft shadows*, 2005; Stingl
-//! 2011, section 3.6).
+//! Penumbrae of a sun with a size: blocker search and filter (R. Fernando, *Percentage-closer soft shadows*, 2005;
+//! Stingl 2011, section 3.6).
 //!
-//! From a point at distance d behind an edge the sun's disc, of angular diameter δ, is seen past the edge within d tan(δ ÷ 2)
-//! to both sides: filtering with a disc of that radius across the light gives the share of the sun that is seen, exactly
-//! for a straight edge at one distance. The search averages the distance over its blockers; it looks as far as the
-//! widest penumbra reaches.
+//! From a point at distance d behind an edge the sun's disc, of angular diameter δ, is seen past the edge within d
+//! tan(δ ÷ 2) to both sides: filtering with a disc of that radius across the light gives the share of the sun that is
+//! seen, exactly for a straight edge at one distance. The search averages the distance over its blockers; it looks as
+//! far as the widest penumbra reaches.
 //!
-//! Where the search meets no blocker the pixel is lit and nothing else is read: the early-out that the thesis measures at
-//! up to 15 % of the frame rate. It misses blockers that lie between its taps.
+//! Where the search meets no blocker the pixel is lit and nothing else is read: the early-out that the thesis measures
+//! at up to 15 % of the frame rate. It misses blockers that lie between its taps.
 
 use bevy_math::IVec2;
 

@@ -2,17 +2,17 @@
 //! Zhang et al. 2009).
 //!
 //! The thesis gives no formula. Derivation: a focused map shows a half extent h that varies with the camera, below a
-//! reference r that does not (the light-space extent of the scene S). The scale r ÷ h must come from a fixed set, so h is
-//! rounded *up* to the next of 64 levels h_1 < … < h_64 = r; then the middle is snapped to that level's texels
+//! reference r that does not (the light-space extent of the scene S). The scale r ÷ h must come from a fixed set, so h
+//! is rounded *up* to the next of 64 levels h_1 < … < h_64 = r; then the middle is snapped to that level's texels
 //! ([`SnappedMap`]). Between changes of level the grid stands still.
 //!
 //! - [`Spacing::Equal`]: h_k = r k ÷ 64. The step is the same in metres, so texels are too large by a factor of up to
 //!   1 + r ÷ (64 h): nothing for h near r, twice for h = r ÷ 64.
-//! - [`Spacing::Geometric`]: h_k = r q^(k − 64) with q = (r ÷ h_1)^(1 ÷ 63). The factor is at most q everywhere: 1.076 for
-//!   r ÷ h_1 = 100. Better whenever the focus varies by more than a few times.
+//! - [`Spacing::Geometric`]: h_k = r q^(k − 64) with q = (r ÷ h_1)^(1 ÷ 63). The factor is at most q everywhere: 1.076
+//!   for r ÷ h_1 = 100. Better whenever the focus varies by more than a few times.
 //!
-//! A level that a jitter crosses would flicker each frame; [`ScaleLevels::held`] lowers the level only when two steps are
-//! won.
+//! A level that a jitter crosses would flicker each frame; [`ScaleLevels::held`] lowers the level only when two steps
+//! are won.
 
 use bevy_math::DVec2;
 

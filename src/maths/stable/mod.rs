@@ -1,8 +1,8 @@
 //! Maps whose texels stand still in the world while the camera moves.
 //!
 //! A focused map is rasterised anew each frame, and shadow edges crawl: texels move by parts of themselves (offset) and
-//! change size (scale) (Stingl 2011, section 3.5). Edges stand still exactly when the grid of texels in the world is the
-//! same as before, up to a shift by whole texels. Three ways there:
+//! change size (scale) (Stingl 2011, section 3.5). Edges stand still exactly when the grid of texels in the world is
+//! the same as before, up to a shift by whole texels. Three ways there:
 //!
 //! | way | grid | cost | functions |
 //! |---|---|---|---|
@@ -31,8 +31,8 @@ pub fn fixed_axes(light_travel: DVec3) -> Option<LightAxes> {
 }
 
 /// The direction of light to draw with while the sun moves: the previous one until the wanted one is more than
-/// `tolerance` radians away. Every grid lies in the plane across the light, so a sun that moves each frame leaves none in
-/// place; half the sun's own angular diameter (0.0046) passes within a minute of real time, and moves the shadow of
+/// `tolerance` radians away. Every grid lies in the plane across the light, so a sun that moves each frame leaves none
+/// in place; half the sun's own angular diameter (0.0046) passes within a minute of real time, and moves the shadow of
 /// a tree of 10 m by 5 cm.
 ///
 /// Both directions are those in which light travels, of any length. A previous one without a direction is not kept.

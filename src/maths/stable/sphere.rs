@@ -1,9 +1,9 @@
-//! Exactly stable uniform maps: focus on the bounding sphere of a view slice, snap to whole texels (Stingl 2011, section
-//! 3.5, exact solution; Lloyd et al. 2006, section 7, after J. Blow).
+//! Exactly stable uniform maps: focus on the bounding sphere of a view slice, snap to whole texels (Stingl 2011,
+//! section 3.5, exact solution; Lloyd et al. 2006, section 7, after J. Blow).
 //!
 //! A sphere looks the same from every side, so its size on the map does not change when the camera turns or walks, and
-//! the map follows the camera in steps of whole texels. Scene bounds and adjusted depths must not enter: they change with
-//! the camera.
+//! the map follows the camera in steps of whole texels. Scene bounds and adjusted depths must not enter: they change
+//! with the camera.
 
 use bevy_math::{DMat4, DVec2, DVec3, DVec4};
 
@@ -18,8 +18,8 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-/// Radii are rounded up to one of this many steps per power of two, so that rounding errors of the camera's place do not
-/// change them.
+/// Radii are rounded up to one of this many steps per power of two, so that rounding errors of the camera's place do
+/// not change them.
 const RADIUS_STEPS: f64 = 1024.0;
 
 /// A sphere around a view slice whose radius depends on the shape of the slice alone. `None` for an infinite far plane.

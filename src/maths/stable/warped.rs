@@ -10,33 +10,34 @@
 //!
 //! This is a grid over the whole half-plane before the projection centre, n' behind the anchor; the map is a window of
 //! N × N of its texels. Let the camera move and ask which other maps have the same texels in the world. Texel borders
-//! across the axis are lines through the projection centre, so the centre must stay, and with it n' and the axis; shifting
-//! the anchor along the axis by a with the same centre gives
+//! across the axis are lines through the projection centre, so the centre must stay, and with it n' and the axis;
+//! shifting the anchor along the axis by a with the same centre gives
 //!
 //! ```text
 //! n'₂ = n' + a     v₂ = S₂ (y − a) n'₂ ÷ (y + n') = (S₂ n'₂² ÷ (S_y n'²)) v − S₂ a n'₂ ÷ n'
 //! ```
 //!
-//! which is v plus a constant when S₂ n'₂² = S_y n'²: it is the same grid, written differently. So for a warp there are no
-//! small steps, as the snapping of uniform maps has them: either centre, axis and scales stay and the window slides by
-//! whole texels, in both directions, exactly; or the whole grid changes. (Stingl, section 3.5, concludes that snapping
-//! and warps exclude each other. They do for a map that is fitted anew each frame.)
+//! which is v plus a constant when S₂ n'₂² = S_y n'²: it is the same grid, written differently. So for a warp there are
+//! no small steps, as the snapping of uniform maps has them: either centre, axis and scales stay and the window slides
+//! by whole texels, in both directions, exactly; or the whole grid changes. (Stingl, section 3.5, concludes that
+//! snapping and warps exclude each other. They do for a map that is fitted anew each frame.)
 //!
 //! The price of holding a grid: the viewer walks away from its centre, where texels are larger (by w across and w²
-//! along), and turns away from its axis, so that the window has to show more. [`LargestErrors`] measures both. Two designs:
+//! along), and turns away from its axis, so that the window has to show more. [`LargestErrors`] measures both. Two
+//! designs:
 //!
 //! - [`hold`] keeps the previous grid until its storage factor exceeds that of a fresh fit by a tolerance, or until the
-//!   window no longer shows everything that is seen; then it takes the fresh fit with some room to spare. The grid depends on
-//!   the path.
-//! - [`lattice`] rounds everything: axis, n', anchor and scales. No memory: the same camera gets the same grid. It changes
-//!   with each border that any of the rounded values crosses.
+//!   window no longer shows everything that is seen; then it takes the fresh fit with some room to spare. The grid
+//!   depends on the path.
+//! - [`lattice`] rounds everything: axis, n', anchor and scales. No memory: the same camera gets the same grid. It
+//!   changes with each border that any of the rounded values crosses.
 //!
 //! # What it costs
 //!
-//! Measured on a walk (1.4 m/s, a quarter turn within 2 s, glances of 30° to both sides, a nodding head; 15 s at 60 frames
-//! per second) over wide ground under a sun at 63°, for slices of 0.3, 2.2, 16 and 120 m. Sharpness is texel ÷ pixel, the
-//! root of the storage factor, against a fresh fit (1 is as sharp) and against the sphere-snapped uniform map of
-//! [`sphere`](super::sphere) (0.5 is twice as sharp):
+//! Measured on a walk (1.4 m/s, a quarter turn within 2 s, glances of 30° to both sides, a nodding head; 15 s at 60
+//! frames per second) over wide ground under a sun at 63°, for slices of 0.3, 2.2, 16 and 120 m. Sharpness is texel ÷
+//! pixel, the root of the storage factor, against a fresh fit (1 is as sharp) and against the sphere-snapped uniform
+//! map of [`sphere`](super::sphere) (0.5 is twice as sharp):
 //!
 //! | design | frames with an unchanged grid | mean (largest) to a fresh fit | mean to the sphere |
 //! |---|---|---|---|
@@ -45,9 +46,9 @@
 //! | [`hold`], `room` 0.2, `tolerance` 3 | 94 %, 99 %, 99 % | 1.45, 1.45, 1.28 (1.73) | 0.44, 0.41, 0.33 |
 //! | [`lattice`] with its defaults | 84 %, 96 %, 96 % | 1.38, 1.35, 1.41 (1.73) | 0.42, 0.39, 0.36 |
 //!
-//! Holding beats the lattice in every column: rounding pays for the worst case all the time. The nearest slice changes most
-//! often because its n' is a metre, which a walker passes within a second; weaker warps hold longer there, and cost more
-//! than they win (twice n': 96 % of frames at 1.68).
+//! Holding beats the lattice in every column: rounding pays for the worst case all the time. The nearest slice changes
+//! most often because its n' is a metre, which a walker passes within a second; weaker warps hold longer there, and
+//! cost more than they win (twice n': 96 % of frames at 1.68).
 //!
 //! [`LargestErrors`]: crate::maths::error::LargestErrors
 
@@ -70,8 +71,8 @@ pub struct SeenPoint {
 pub struct WarpWish<'a> {
     /// Light space, y along the warp axis.
     pub axes: LightAxes,
-    /// A world-space point at the near end of the warp, beside the projection centre and at its height: the origin of the
-    /// fit's light space.
+    /// A world-space point at the near end of the warp, beside the projection centre and at its height: the origin of
+    /// the fit's light space.
     pub near_point: DVec3,
     /// n', metres; infinite for no warp.
     pub warp_near: f64,
@@ -86,8 +87,8 @@ pub struct StableSettings {
     pub map_size: u32,
     /// Texels left free on every side.
     pub guard_texels: f64,
-    /// Part of the window that a new grid leaves free on each axis for turning: 0.1 makes texels 1.1 times as large. Good
-    /// values: 0.1 to 0.2.
+    /// Part of the window that a new grid leaves free on each axis for turning: 0.1 makes texels 1.1 times as large.
+    /// Good values: 0.1 to 0.2.
     pub room: f64,
     /// Factor by which the storage factor of a held grid may exceed that of a fresh fit; 2 is 1.4 per axis. Must exceed
     /// (1 + `room`)², the factor of a new grid; good values: 2 to 3.
@@ -186,9 +187,10 @@ impl WarpedGrid {
         })
     }
 
-    /// Least and greatest (z − `level`) ÷ w over the corners of B, with two local texels to spare, rounded outwards to a
-    /// 32nd of the power of two below their distance: what [`WarpedGrid::clip_from_world`] maps to depths 0 and 1. The same in 86 %
-    /// of the frames of the walk. `None` for no corners, or one behind the projection centre.
+    /// Least and greatest (z − `level`) ÷ w over the corners of B, with two local texels to spare: what
+    /// [`WarpedGrid::clip_from_world`] maps to depths 0 and 1. Rounded outwards to a 32nd of the power of two below
+    /// their distance, so that most frames with one grid have one range (86 % walking straight on). `None` for no
+    /// corners, or one behind the projection centre.
     pub fn depth_range(&self, body: &[DVec3]) -> Option<(f64, f64)> {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for point in body {
@@ -239,8 +241,8 @@ fn fitting(mut grid: WarpedGrid, wish: &WarpWish, settings: &StableSettings, roo
     (texels > 0.0 && grid.texels_per_metre.is_finite()).then_some(grid)
 }
 
-/// The grid of this frame's fresh fit, without room to spare: the sharpest, and never the same twice. `None` when nothing
-/// is seen or the map has no texels.
+/// The grid of this frame's fresh fit, without room to spare: the sharpest, and never the same twice. `None` when
+/// nothing is seen or the map has no texels.
 pub fn fresh(wish: &WarpWish, settings: &StableSettings) -> Option<WarpedGrid> {
     fitting(wished(wish), wish, settings, 0.0)
 }
@@ -288,7 +290,8 @@ pub struct LatticeSteps {
 }
 
 impl Default for LatticeSteps {
-    /// Steps of 11° and factors that together make texels at most 1.8 times as large as a fresh fit's, 1.4 times on average.
+    /// Steps of 11° and factors that together make texels at most 1.8 times as large as a fresh fit's, 1.4 times on
+    /// average.
     fn default() -> Self {
         Self {
             directions: 32,
