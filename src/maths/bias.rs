@@ -52,10 +52,7 @@ pub fn receiver_plane(clip_from_world: Mat4, position: Vec3, normal: Vec3, to_li
         return None;
     }
     let ndc = clip.xyz() / clip.w;
-    let ndc_step = |step: Vec3| {
-        let clip_step = clip_from_world * step.extend(0.0);
-        (clip_step.xyz() - ndc * clip_step.w) / clip.w
-    };
+    let ndc_step = |step: Vec3| ndc_step(clip_from_world, ndc, clip.w, step);
     let to_uv = Vec2::new(0.5, -0.5);
     let n = limited_normal(normal, to_light);
     let helper = if n.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
@@ -75,6 +72,12 @@ pub fn receiver_plane(clip_from_world: Mat4, position: Vec3, normal: Vec3, to_li
         uv_area_per_square_metre: determinant.abs(),
         w: clip.w,
     })
+}
+
+/// Change of NDC per step t in the world at a point with this NDC and w: (M t − ndc (row_w · t)) ÷ w.
+pub(super) fn ndc_step(clip_from_world: Mat4, ndc: Vec3, w: f32, step: Vec3) -> Vec3 {
+    let clip_step = clip_from_world * step.extend(0.0);
+    (clip_step.xyz() - ndc * clip_step.w) / w
 }
 
 #[cfg(test)]

@@ -67,16 +67,31 @@
 //! | e, C_start | [`fit::ProjectionCenter`] | S 3.2.1, 4.1 |
 //! | V_P, middle vector | [`fit::WarpAxis`] | Scherzer 2005, eq. 3, 4.4 |
 //! | Δz | [`warp::OptimumRule`] | Scherzer 2005, eq. 1 |
+//! | L, l (light frustum, light position) | [`light::Light::half_spaces`], [`light::Light::position`] | S 3.1 |
+//! | B = hull(H ∪ {l}) ∩ S ∩ L | [`body::intersection_body_of_light`] | S 3.1.1 |
+//! | B of Stamminger and Drettakis | [`body::unfocused_body`] | S 3.1.1, fig. 3.1 |
+//! | A_fit of a spot light, e, e + v | [`light::PointLightView::focused`], [`light::aligned_axes`] | S 3.1.2, 3.2.1 |
+//! | linear z, near plane of Brabec | [`light::LinearDepth`], [`depth_offset::linear_depth`] | S 3.1.2; L 6.4 |
+//! | r, H | [`depth_offset::DepthFormat::step`]; 1 ÷ `depth_per_metre` | Scherzer 2005, 4.2 |
+//! | r_l, s_i | radius in metres; [`filter::kernel::kernel_per_metre`] | S 3.6.1, eq. 3.9 |
+//! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
+//! | 64 levels of scale | [`stable::levels::ScaleLevels`] | S 3.5 |
+//! | minimum depth | [`near_plane::DepthChain`], [`near_plane::late_near`] | S 4.3, A.2 |
 
 pub mod bias;
 pub mod body;
 pub mod bounds;
 mod clip;
+pub mod depth_offset;
 pub mod error;
+pub mod filter;
 pub mod fit;
 pub mod footprint;
 mod hull;
+pub mod light;
+pub mod near_plane;
 pub mod polytope;
 pub mod split;
+pub mod stable;
 pub mod view;
 pub mod warp;

@@ -220,16 +220,24 @@ impl Polytope {
     /// The edges between faces that look along `direction` and faces that do not, as vertex indices in the order of the
     /// latter.
     pub fn silhouette(&self, direction: DVec3) -> Vec<[u32; 2]> {
-        let mut forward = Vec::new();
+        self.border(|half_space| half_space.normal.dot(direction) > 0.0)
+    }
+
+    /// The edges between faces that are chosen and faces that are not, as vertex indices in the order of the latter.
+    pub(super) fn border(&self, is_chosen: impl Fn(&HalfSpace) -> bool) -> Vec<[u32; 2]> {
+        let mut chosen = Vec::new();
         let mut rest = Vec::new();
         for face in self.faces() {
-            let looks_along = face.half_space.normal.dot(direction) > 0.0;
-            let edges = if looks_along { &mut forward } else { &mut rest };
+            let edges = if is_chosen(&face.half_space) {
+                &mut chosen
+            } else {
+                &mut rest
+            };
             for (index, a) in face.indices.iter().enumerate() {
                 edges.push([*a, face.indices[(index + 1) % face.indices.len()]]);
             }
         }
-        rest.retain(|[a, b]| forward.contains(&[*b, *a]));
+        rest.retain(|[a, b]| chosen.contains(&[*b, *a]));
         rest
     }
 

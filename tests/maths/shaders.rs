@@ -1,0 +1,136 @@
+//! Shader twins: they compile, and have the functions and the constants of the Rust ones.
+
+use naga::{
+    front::wgsl::parse_str,
+    valid::{Capabilities, ValidationFlags, Validator},
+};
+
+const SPACES: &str = include_str!("../../shaders/spaces.wgsl");
+const BIAS: &str = include_str!("../../shaders/bias.wgsl");
+const SURFACE: &str = include_str!("../../shaders/surface.wgsl");
+const DEPTH_OFFSET: &str = include_str!("../../shaders/depth_offset.wgsl");
+const FILTER: &str = include_str!("../../shaders/filter.wgsl");
+const EYE_BLUR: &str = include_str!("../../shaders/blur/eye_blur.wgsl");
+
+/// What the imported modules of the engine declare, as far as it is used.
+const ENGINE: &str = "
+struct View {
+    world_from_clip: mat4x4<f32>,
+    view_from_world: mat4x4<f32>,
+    world_from_view: mat4x4<f32>,
+    clip_from_view: mat4x4<f32>,
+    world_position: vec3<f32>,
+    viewport: vec4<f32>,
+}
+struct FullscreenVertexOutput {
+    @builtin(position) position: vec4<f32>,
+    @location(0) uv: vec2<f32>,
+}
+";
+
+/// Modules pasted together instead of imported: names are unique, because every import is of single items.
+fn compose(modules: &[&str]) -> naga::Module {
+    let source: String = modules
+        .iter()
+        .flat_map(|module| module.lines())
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let module = parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
+    validator
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+    module
+}
+
+fn functions(module: &naga::Module) -> Vec<String> {
+    module
+        .functions
+        .iter()
+        .filter_map(|(_, function)| function.name.clone())
+        .collect()
+}
+
+#[test]
+fn filters_compile_with_the_functions_of_their_twins() {
+    let module = compose(&[ENGINE, SPACES, BIAS, DEPTH_OFFSET, FILTER]);
+    let names = functions(&module);
+    for (file, source) in [
+        ("lookup", include_str!("../../src/maths/filter/lookup.rs")),
+        ("disc", include_str!("../../src/maths/filter/disc.rs")),
+        ("kernel", include_str!("../../src/maths/filter/kernel.rs")),
+        ("penumbra", include_str!("../../src/maths/filter/penumbra.rs")),
+    ] {
+        for name in twin_functions(source) {
+            assert!(names.contains(&name), "{file}: {name} has no twin among {names:?}");
+        }
+    }
+    for name in [
+        "constant_offset",
+        "slope_scaled_offset",
+        "world_slope_offset",
+        "texel_span",
+        "float_step",
+    ] {
+        assert!(names.iter().any(|other| other == name), "{name} has no twin");
+    }
+}
+
+/// Names of the free functions of a file.
+fn twin_functions(source: &str) -> Vec<String> {
+    let names = source.lines().filter_map(|line| {
+        let rest = line
+            .strip_prefix("pub fn ")
+            .or_else(|| line.strip_prefix("pub(super) fn "))?;
+        rest.split(['(', '<']).next().map(str::to_owned)
+    });
+    names.collect()
+}
+
+#[test]
+fn the_blur_compiles_with_the_functions_of_its_twin() {
+    let module = compose(&[ENGINE, SPACES, SURFACE, EYE_BLUR]);
+    let names = functions(&module);
+    for name in twin_functions(include_str!("../../src/maths/filter/eye_blur.rs")) {
+        assert!(names.contains(&name), "{name} has no twin among {names:?}");
+    }
+    assert_eq!(module.entry_points.len(), 1, "one pass");
+}
+
+/// The value of a constant in a shader or in Rust.
+fn constant(source: &str, name: &str) -> f64 {
+    let declaration = format!("const {name}: ");
+    let line = source
+        .lines()
+        .find(|line| line.trim_start_matches("pub ").starts_with(&declaration));
+    let value = line
+        .and_then(|line| line.split('=').nth(1))
+        .unwrap_or_else(|| panic!("no constant {name}"));
+    let digits: String = value
+        .chars()
+        .filter(|character| character.is_ascii_digit() || ['.', 'e', '-'].contains(character))
+        .collect();
+    digits.parse().unwrap_or_else(|_| panic!("{name} is {value}"))
+}
+
+#[test]
+fn constants_agree() {
+    let disc = include_str!("../../src/maths/filter/disc.rs");
+    let blur = include_str!("../../src/maths/filter/eye_blur.rs");
+    let offset = include_str!("../../src/maths/depth_offset.rs");
+    for (rust, shader, names) in [
+        (disc, FILTER, &["GOLDEN_ANGLE"][..]),
+        (
+            blur,
+            EYE_BLUR,
+            &["MAX_ITERATIONS", "SAME_SURFACE_COSINE", "LARGEST_STEP", "LEAST_SHARE"][..],
+        ),
+        (offset, DEPTH_OFFSET, &["SMALLEST_DEPTH"][..]),
+    ] {
+        for name in names {
+            let strip = |source: &str| constant(&source.replace("u32 = 16u", "u32 = 16"), name);
+            assert_eq!(strip(rust), strip(shader), "{name}");
+        }
+    }
+}
