@@ -60,7 +60,13 @@
 //! | m_x, m_z | [`error::error_across`], [`error::error_along`] | S eq. 2.3 to 2.8; L eq. 7, 8 |
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
+//! | dp/ds; W, n, d, φ, ψ, dG/dt | [`error::simple_error`]; [`error::Beam`] | S eq. 2.1; 2.2 |
+//! | res_s*, res_t*; S_0 | [`error::LargestErrors::critical_resolution`]; [`error::LargestErrors::balanced_resolution`] | L 4.2, eq. 13, 14 |
+//! | n, f, Θ under light from overhead | [`analysis::overhead::OverheadRange`] | L 4.1 |
+//! | k, j; ZP, FP, W | `slices`, `maps`; [`analysis::maps::Partitioning`] | L 5.2, 5.3 |
+//! | e0', e1' | `edges` in [`analysis::faces::face_errors`] | L 5.1 |
 
+pub mod analysis;
 pub mod bias;
 pub mod body;
 pub mod bounds;
