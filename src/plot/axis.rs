@@ -26,7 +26,11 @@ pub struct Axis {
 
 impl Axis {
     pub(super) fn shows(&self, value: f64) -> bool {
-        value.is_finite() && (self.scale == Scale::Linear || value > 0.0)
+        let is_inside = self
+            .range
+            .as_ref()
+            .is_none_or(|range| range.is_empty() || (range.start..=range.end).contains(&value));
+        value.is_finite() && (self.scale == Scale::Linear || value > 0.0) && is_inside
     }
 
     /// What is shown: never without a length.

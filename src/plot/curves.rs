@@ -14,7 +14,7 @@ use super::{
 pub struct Curve {
     /// For the key.
     pub label: String,
-    /// In the order in which they are joined; values that are not finite are left out.
+    /// In the order in which they are joined; values that are not finite or that the axes do not show are left out.
     pub points: Vec<(f64, f64)>,
 }
 

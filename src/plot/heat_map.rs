@@ -4,7 +4,7 @@ use std::{f64::consts::TAU, ops::Range};
 
 use bevy_math::UVec2;
 use plotters::{
-    prelude::{BLACK, Color, PathElement, RGBColor, Rectangle, Text},
+    prelude::{BLACK, Color, PathElement, RGBColor, Text},
     style::text_anchor::{HPos, Pos, VPos},
     style::{IntoFont, IntoTextStyle},
 };
@@ -16,7 +16,7 @@ use super::{
 };
 
 /// Values over the directions of a hemisphere, as colors on a logarithmic scale: overhead in the middle, the horizon
-/// around it, ahead on the right, behind on the left; the distance from the middle is the angle from overhead.
+/// around it, with five lines of equal values per power of ten; ahead on the right, behind on the left; the distance from the middle is the angle from overhead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatMap {
     /// Above the figure.
@@ -39,6 +39,9 @@ const COLORS: [[f64; 3]; 6] = [
     [160.0, 212.0, 64.0],
     [252.0, 230.0, 60.0],
 ];
+
+/// Lines of equal values per power of ten.
+const LINES_PER_DECADE: f64 = 5.0;
 
 /// Pixels for the color scale and its numbers, on the right.
 const SCALE_WIDTH: i32 = 110;
@@ -63,11 +66,24 @@ impl HeatMap {
         let middle = (width / 2, height / 2);
         for y in -radius..=radius {
             for x in -radius..=radius {
-                if let Some(value) = self.value(f64::from(x) / f64::from(radius), f64::from(-y) / f64::from(radius)) {
-                    let share = (value.log10() - range.start) / (range.end - range.start);
-                    let place = (middle.0 + x, middle.1 + y);
-                    area.draw_pixel(place, &color_of(share)).map_err(drawing)?;
-                }
+                let value = |x: i32, y: i32| {
+                    let value = self.value(f64::from(x) / f64::from(radius), f64::from(-y) / f64::from(radius));
+                    value.map(f64::log10)
+                };
+                let Some(here) = value(x, y) else { continue };
+                // A line where the value passes a step, against the neighbours to the right and below.
+                let step = |value: f64| (value * LINES_PER_DECADE).floor();
+                let neighbours = [value(x + 1, y), value(x, y + 1)];
+                let is_line = neighbours.into_iter().flatten().any(|value| step(value) != step(here));
+                let RGBColor(red, green, blue) = color_of((here - range.start) / (range.end - range.start));
+                let color = if is_line {
+                    [red, green, blue].map(|channel| channel / 2 + 96)
+                } else {
+                    [red, green, blue]
+                };
+                let place = (middle.0 + x, middle.1 + y);
+                let color = RGBColor(color[0], color[1], color[2]);
+                area.draw_pixel(place, &color).map_err(drawing)?;
             }
         }
         let text = (FONT, TEXT_PX).into_font().into_text_style(&area);
@@ -96,7 +112,7 @@ impl HeatMap {
         let (left, top, bottom) = (width + 4, middle.1 - radius, middle.1 + radius);
         for y in top..=bottom {
             let share = f64::from(bottom - y) / f64::from(bottom - top);
-            let row = Rectangle::new([(left, y), (left + SCALE_BAR, y)], color_of(share).filled());
+            let row = PathElement::new([(left, y), (left + SCALE_BAR, y)], color_of(share));
             area.draw(&row).map_err(drawing)?;
         }
         for value in ticks(&range) {
@@ -224,6 +240,13 @@ mod tests {
         let pixels = figure(vec![vec![1.0], vec![10.0; 8]]).draw(size).expect("drawn");
         let (colors, _) = pixels.bytes.as_chunks::<3>();
         assert!(colors.contains(&[38, 16, 78]) && colors.contains(&[252, 230, 60]));
+        // The scale beside it has all colors.
+        let scale = colors
+            .chunks(400)
+            .map(|row| row[310])
+            .filter(|color| *color != [255; 3])
+            .count();
+        assert!(scale > 100, "{scale} rows of the scale");
         assert!(figure(vec![vec![5.0], vec![5.0]]).draw(size).is_ok(), "one value");
         for rings in [vec![], vec![vec![]], vec![vec![f64::NAN], vec![0.0, -1.0]]] {
             assert_eq!(figure(rings).draw(size), Err(PlotError::Empty("a map".to_owned())));

@@ -41,7 +41,10 @@ pub(super) const FIGURES: &[Figure] = &[
         name: "lloyd-fig6-warp-strength",
         title: "Largest errors and storage over the strength of the warp, light overhead",
         source: "Lloyd et al. 2006, figure 6: n = 1, f = 100; each divided by its largest value",
-        notes: &["Chosen: Θ = 30°; a logarithmic axis.", ERRATUM_NOTE],
+        notes: &[
+            "Chosen: Θ = 30°; a logarithmic axis. Left of 0 the shares of M_x and M_z are the same.",
+            ERRATUM_NOTE,
+        ],
         panels: || Panels::Curves(vec![over_strength()]),
     },
     Figure {
@@ -140,7 +143,10 @@ fn over_strength() -> Curves {
     Curves {
         title: "Share of the largest value".to_owned(),
         x: axis("strength η: −1 uniform, 0 LiSPSM, 1 PSM", Scale::Linear),
-        y: axis("share", Scale::Logarithmic),
+        y: Axis {
+            range: Some(0.008..1.2),
+            ..axis("share", Scale::Logarithmic)
+        },
         curves: vec![
             relative("M_x, largest error across", |errors| errors.across),
             relative("M_z, largest error along", |errors| errors.along),
