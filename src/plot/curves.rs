@@ -1,7 +1,7 @@
 //! [`Curves`]: lines over two axes.
 
 use bevy_math::UVec2;
-use plotters::prelude::{BLACK, ChartBuilder, Color, LineSeries};
+use plotters::prelude::{BLACK, ChartBuilder, Color, PathElement};
 
 use super::{
     axis::{Axis, number},
@@ -57,6 +57,8 @@ impl Curves {
         let area = head(area, &self.title, Mark::Line, &labels)?;
         let mut chart = ChartBuilder::on(&area)
             .margin(14)
+            // The last number of the axis stands half outside.
+            .margin_right(28)
             .x_label_area_size(46)
             .y_label_area_size(74)
             .build_cartesian_2d(x, y)
@@ -74,9 +76,16 @@ impl Curves {
             .draw()
             .map_err(drawing)?;
         for (index, curve) in self.curves.iter().enumerate() {
-            let points = curve.points.iter().copied().filter(|point| self.shows(*point));
+            let points: Vec<_> = curve
+                .points
+                .iter()
+                .copied()
+                .filter(|point| self.shows(*point))
+                .collect();
             let style = color(index).stroke_width(2);
-            chart.draw_series(LineSeries::new(points, style)).map_err(drawing)?;
+            // One by one: joined, pieces of steep steps get lost.
+            let pieces = points.windows(2).map(|ends| PathElement::new(ends.to_vec(), style));
+            chart.draw_series(pieces).map_err(drawing)?;
         }
         Ok(())
     }

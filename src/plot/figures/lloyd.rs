@@ -120,7 +120,10 @@ pub(super) const FIGURES: &[Figure] = &[
         name: "lloyd-sec5-worst-direction",
         title: "Storage factor of the worst direction and in the mean, over the number of slices",
         source: "After Lloyd et al. 2006, section 5.3: f ÷ n = 1000, Θ = 30°; 19 x 36 light directions above the horizon",
-        notes: &["Slices per face where there are faces. Means are geometric.", CONE_NOTE],
+        notes: &[
+            "Slices per face where there are faces. Means are geometric. In the worst direction ZP and ZP+W are nearly the same.",
+            CONE_NOTE,
+        ],
         panels: || Panels::Curves(worst_and_mean()),
     },
 ];
