@@ -137,13 +137,9 @@ impl HeatMap {
         let range = self.range.clone().unwrap_or(low..high);
         let (low, high) = (range.start.log10(), range.end.log10());
         let is_sound = low.is_finite() && high.is_finite();
-        is_sound.then(|| {
-            if high - low > 1.0e-6 {
-                low..high
-            } else {
-                low - 0.5..low + 0.5
-            }
-        })
+        let is_long = high - low > 1.0e-6;
+        let range = if is_long { low..high } else { low - 0.5..low + 0.5 };
+        is_sound.then_some(range)
     }
 
     /// The value at a place of the unit disc, right and up, between the four around it. `None` outside and where there is

@@ -263,8 +263,8 @@ fn pseudo_planes_of_slices() {
     let slices = whole.slices(&SplitScheme::Practical { lambda: 0.5 }, 4, warp);
     let ends: Vec<f64> = slices.iter().map(|slice| slice.range.far()).collect();
     let expected = |index: f64| 0.5 * (10.0 + 390.0 * index / 4.0) + 0.5 * 10.0 * 40.0_f64.powf(index / 4.0);
-    for index in 0..3 {
-        close(ends[index], expected(index as f64 + 1.0), 1.0e-12);
+    for (index, end) in ends[..3].iter().enumerate() {
+        close(*end, expected(index as f64 + 1.0), 1.0e-12);
     }
     assert_eq!((slices[0].range.near(), ends[3]), (1.0, 500.0));
     for slice in &slices[1..3] {
