@@ -103,10 +103,16 @@ impl Bars {
         }
         let label_text = (FONT, TEXT_PX).into_font().into_text_style(area);
         let label_text = label_text.pos(Pos::new(HPos::Right, VPos::Center));
+        // Places of the chart count from the corner of the whole picture, those of the area from its own.
+        let corner = area.get_base_pixel();
         for (row, of_row) in self.rows.iter().enumerate() {
             let (x, y) = chart.backend_coord(&(0.0, count - row as f64 - 0.5));
-            area.draw(&Text::new(of_row.label.clone(), (x - 8, y), label_text.clone()))
-                .map_err(drawing)?;
+            area.draw(&Text::new(
+                of_row.label.clone(),
+                (x - corner.0 - 8, y - corner.1),
+                label_text.clone(),
+            ))
+            .map_err(drawing)?;
         }
         Ok(())
     }
@@ -148,6 +154,21 @@ mod tests {
             first > 200 && (first as f64 / second as f64 - 2.0).abs() < 0.05,
             "{first} and {second}"
         );
+    }
+
+    /// The dark pixels to the left of the axis are centred on the bars.
+    #[test]
+    fn labels_stand_beside_their_bars() {
+        let pixels = figure(&[Some(4.0)]).draw(UVec2::new(600, 300)).expect("drawn");
+        let (colors, _) = pixels.bytes.as_chunks::<3>();
+        let middle = |is_part: &dyn Fn(usize, &[u8; 3]) -> bool| {
+            let rows = (60..250).filter(|y| (0..600).any(|x| is_part(x, &colors[y * 600 + x])));
+            let rows: Vec<usize> = rows.collect();
+            rows.iter().sum::<usize>() as f64 / rows.len() as f64
+        };
+        let bar = middle(&|x, color| x > 150 && *color == [31, 119, 180]);
+        let label = middle(&|x, color| x < 90 && color[0] < 100);
+        assert!((bar - label).abs() < 8.0, "bar at {bar}, label at {label}");
     }
 
     /// The key has its own place: bars as long as the axis are all there to see.
