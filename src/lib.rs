@@ -15,13 +15,15 @@
 //! | [`forge`] | assets from code: trees, undergrowth, rocks as glTF files; no GPU | `forge` |
 //! | [`level`] | levels: `.level.ron` assets, generators of forest, city and rooms | `demo` |
 //! | [`ui`] | head-up display, help, menus | `demo` |
-//! | [`plot`] | figures: curves and bars as pixels | `demo` |
+//! | [`plot`] | figures: curves, bars and maps of directions as pixels; the papers' figures | `plot` |
 //! | [`demo`] | the playable demo: screens, walker, sun controls | `demo` |
-//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `bench`, `forge`, `list` | `demo` |
+//! | [`cli`] | the command line: `play`, `shoot`, `judge`, `bench`, `plot`, `forge`, `list` | `demo` |
 
 #[cfg(feature = "forge")]
 pub mod forge;
 pub mod maths;
+#[cfg(feature = "plot")]
+pub mod plot;
 
 #[cfg(feature = "render")]
 pub mod render;
@@ -34,8 +36,6 @@ pub mod cli;
 pub mod demo;
 #[cfg(feature = "demo")]
 pub mod level;
-#[cfg(feature = "demo")]
-pub mod plot;
 #[cfg(feature = "demo")]
 pub mod ui;
 

@@ -39,6 +39,8 @@ pub enum Command {
     Judge(Judge),
     /// Measure what techniques cost along a camera path: a table, bench.json, bench.csv and plots
     Bench(Bench),
+    /// Draw the papers' figures of error and storage from the formulas: PNG and CSV
+    Plot(Plot),
     /// Rebuild the models in assets/models from code
     Forge(Forge),
     /// Say what there is
@@ -172,6 +174,17 @@ pub struct Bench {
     pub out: PathBuf,
 }
 
+/// Arguments of `plot`.
+#[derive(Clone, Debug, PartialEq, Eq, ClapArgs)]
+pub struct Plot {
+    /// A figure, as `list plots` names it, or all
+    #[arg(value_name = "NAME|all")]
+    pub name: String,
+    /// Where the files go
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
 /// Arguments of `forge`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, ClapArgs)]
 pub struct Forge {
@@ -195,6 +208,8 @@ pub enum ListWhat {
     Techniques,
     /// Kinds of pictures
     Passes,
+    /// Figures of the papers
+    Plots,
     /// Shots of a scene
     Shots {
         /// A level, with or without settings
@@ -356,8 +371,22 @@ mod tests {
     }
 
     #[test]
+    fn plot_takes_one_name() {
+        let Ok(Args {
+            command: Some(Command::Plot(plot)),
+            ..
+        }) = parse("umbrage plot all")
+        else {
+            panic!("`plot all` must parse");
+        };
+        assert_eq!((plot.name.as_str(), plot.out.to_str()), ("all", Some("out")));
+    }
+
+    #[test]
     fn nonsense_exits_with_two() {
         for text in [
+            "umbrage plot",
+            "umbrage plot a b",
             "umbrage dance",
             "umbrage shoot",
             "umbrage shoot forest --technique blur",

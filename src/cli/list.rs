@@ -13,6 +13,7 @@ use crate::{
         scene::SceneSource,
         sky::course::clock,
     },
+    plot::figures::figures,
     shadow::technique::{KEYS, PRESETS, StockBias, Technique},
 };
 
@@ -29,6 +30,11 @@ pub(super) fn run(assets: Option<&Path>, what: &ListWhat) -> Result<(), Failure>
         ListWhat::Passes => {
             for pass in Pass::ALL {
                 say(format!("{:<8} {}", pass.name(), pass.about()));
+            }
+        }
+        ListWhat::Plots => {
+            for figure in figures() {
+                say(format!("{:<34} {} ({})", figure.name, figure.title, figure.source));
             }
         }
         ListWhat::Shots { scene } => shots(assets, scene)?,

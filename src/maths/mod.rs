@@ -77,7 +77,13 @@
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
 //! | 64 levels of scale | [`stable::levels::ScaleLevels`] | S 3.5 |
 //! | minimum depth | [`near_plane::DepthChain`], [`near_plane::late_near`] | S 4.3, A.2 |
+//! | dp/ds; W, n, d, φ, ψ, dG/dt | [`error::simple_error`]; [`error::Beam`] | S eq. 2.1; 2.2 |
+//! | res_s*, res_t*; S_0 | [`error::LargestErrors::critical_resolution`]; [`error::LargestErrors::balanced_resolution`] | L 4.2, eq. 13, 14 |
+//! | n, f, Θ under light from overhead | [`analysis::overhead::OverheadRange`] | L 4.1 |
+//! | k, j; ZP, FP, W | `slices`, `maps`; [`analysis::maps::Partitioning`] | L 5.2, 5.3 |
+//! | e0', e1' | `edges` in [`analysis::faces::face_errors`] | L 5.1 |
 
+pub mod analysis;
 pub mod bias;
 pub mod body;
 pub mod bounds;

@@ -1,16 +1,16 @@
 //! [`Bars`]: a value per row and series, as horizontal bars.
 
-use bevy::math::UVec2;
+use bevy_math::UVec2;
 use plotters::{
-    coord::Shift,
-    prelude::{BLACK, BitMapBackend, ChartBuilder, Color, DrawingArea, Rectangle, SeriesLabelPosition, Text, WHITE},
+    prelude::{BLACK, ChartBuilder, Color, Rectangle, Text},
     style::text_anchor::{HPos, Pos, VPos},
     style::{IntoFont, IntoTextStyle},
 };
 
 use super::{
-    canvas::{FONT, Pixels, PlotError, TEXT_PX, TITLE_PX, color, draw, drawing},
-    curves::number,
+    axis::number,
+    canvas::{Area, FONT, Pixels, PlotError, TEXT_PX, color, draw, drawing},
+    key::{Mark, head},
 };
 
 /// One row of bars.
@@ -44,19 +44,18 @@ impl Bars {
     /// # Errors
     /// The size is too small, or there is no value to show.
     pub fn draw(&self, size: UVec2) -> Result<Pixels, PlotError> {
+        draw(size, |area| self.draw_on(area))
+    }
+
+    pub(super) fn draw_on(&self, area: &Area) -> Result<(), PlotError> {
         let values = self.rows.iter().flat_map(|row| row.values.iter().flatten().copied());
         let largest = values.filter(|value| value.is_finite()).reduce(f64::max);
         let largest = largest.ok_or_else(|| PlotError::Empty(self.title.clone()))?;
-        draw(size, |area| {
-            self.draw_on(area, if largest > 0.0 { largest } else { 1.0 })
-        })
-    }
-
-    fn draw_on(&self, area: &DrawingArea<BitMapBackend, Shift>, largest: f64) -> Result<(), PlotError> {
+        let largest = if largest > 0.0 { largest } else { 1.0 };
+        let area = &head(area, &self.title, Mark::Box, &self.series)?;
         let count = self.rows.len() as f64;
         let longest = self.rows.iter().map(|row| row.label.chars().count()).max().unwrap_or(0);
         let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, (FONT, TITLE_PX))
             .margin(14)
             .x_label_area_size(46)
             // Labels of rows stand in their own column; the mean letter is half as wide as it is high.
@@ -77,7 +76,7 @@ impl Bars {
         let height = FILLED / self.series.len().max(1) as f64;
         let text = (FONT, TEXT_PX).into_font().into_text_style(area);
         let value_text = text.pos(Pos::new(HPos::Left, VPos::Center));
-        for (index, name) in self.series.iter().enumerate() {
+        for index in 0..self.series.len() {
             let bars = self.rows.iter().enumerate().filter_map(|(row, of_row)| {
                 let value = of_row
                     .values
@@ -94,9 +93,7 @@ impl Bars {
                     bars.clone()
                         .map(|(value, top)| Rectangle::new([(0.0, top), (value, top - height)], style)),
                 )
-                .map_err(drawing)?
-                .label(name)
-                .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 22, y + 5)], style));
+                .map_err(drawing)?;
             chart
                 .draw_series(bars.map(|(value, top)| {
                     let place = (value + largest * 0.008, top - height * 0.5);
@@ -106,19 +103,18 @@ impl Bars {
         }
         let label_text = (FONT, TEXT_PX).into_font().into_text_style(area);
         let label_text = label_text.pos(Pos::new(HPos::Right, VPos::Center));
+        // Places of the chart count from the corner of the whole picture, those of the area from its own.
+        let corner = area.get_base_pixel();
         for (row, of_row) in self.rows.iter().enumerate() {
             let (x, y) = chart.backend_coord(&(0.0, count - row as f64 - 0.5));
-            area.draw(&Text::new(of_row.label.clone(), (x - 8, y), label_text.clone()))
-                .map_err(drawing)?;
+            area.draw(&Text::new(
+                of_row.label.clone(),
+                (x - corner.0 - 8, y - corner.1),
+                label_text.clone(),
+            ))
+            .map_err(drawing)?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font((FONT, TEXT_PX))
-            .draw()
-            .map_err(drawing)
+        Ok(())
     }
 }
 
@@ -152,12 +148,42 @@ mod tests {
                 .filter(|color| **color == [31, 119, 180])
                 .count()
         };
-        // The rows of the first and of the second bar.
-        let (first, second) = (length(90), length(190));
+        // The rows of the first and of the second bar, below title and key.
+        let (first, second) = (length(120), length(200));
         assert!(
             first > 200 && (first as f64 / second as f64 - 2.0).abs() < 0.05,
             "{first} and {second}"
         );
+    }
+
+    /// The dark pixels to the left of the axis are centred on the bars.
+    #[test]
+    fn labels_stand_beside_their_bars() {
+        let pixels = figure(&[Some(4.0)]).draw(UVec2::new(600, 300)).expect("drawn");
+        let (colors, _) = pixels.bytes.as_chunks::<3>();
+        let middle = |is_part: &dyn Fn(usize, &[u8; 3]) -> bool| {
+            let rows = (60..250).filter(|y| (0..600).any(|x| is_part(x, &colors[y * 600 + x])));
+            let rows: Vec<usize> = rows.collect();
+            rows.iter().sum::<usize>() as f64 / rows.len() as f64
+        };
+        let bar = middle(&|x, color| x > 150 && *color == [31, 119, 180]);
+        let label = middle(&|x, color| x < 90 && color[0] < 100);
+        assert!((bar - label).abs() < 8.0, "bar at {bar}, label at {label}");
+    }
+
+    /// The key has its own place: bars as long as the axis are all there to see.
+    #[test]
+    fn the_key_covers_no_bar() {
+        let mut figure = figure(&[Some(4.0), Some(4.0), Some(4.0)]);
+        figure.series[0] = "a series with a long name that would lie over the ends of the bars".to_owned();
+        let pixels = figure.draw(UVec2::new(600, 300)).expect("drawn");
+        let (colors, _) = pixels.bytes.as_chunks::<3>();
+        let longest = (60..300).map(|y| {
+            let row = &colors[y * 600..(y + 1) * 600];
+            row.iter().filter(|color| **color == [31, 119, 180]).count()
+        });
+        let rows = longest.filter(|length| *length > 200).count();
+        assert!(rows > 100, "{rows} rows of pixels with whole bars");
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! What figures are drawn on: [`Pixels`], a font and colors.
 
-use std::sync::OnceLock;
+use std::{io::Cursor, sync::OnceLock};
 
-use bevy::math::UVec2;
+use bevy_math::UVec2;
+use image::{ColorType, ImageFormat};
 use plotters::{
     coord::Shift,
     prelude::{BitMapBackend, DrawingArea, FontStyle, IntoDrawingArea, RGBColor, WHITE},
@@ -59,11 +60,25 @@ pub struct Pixels {
     pub bytes: Vec<u8>,
 }
 
+impl Pixels {
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// The pixels do not fill the size.
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        let mut png = Cursor::new(Vec::new());
+        let (width, height) = (self.size.x, self.size.y);
+        image::write_buffer_with_format(&mut png, &self.bytes, width, height, ColorType::Rgb8, ImageFormat::Png)
+            .map_err(drawing)?;
+        Ok(png.into_inner())
+    }
+}
+
+/// A part of a figure.
+pub(super) type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
+
 /// Draws on white pixels.
-pub(super) fn draw(
-    size: UVec2,
-    figure: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> Result<(), PlotError>,
-) -> Result<Pixels, PlotError> {
+pub(super) fn draw(size: UVec2, figure: impl FnOnce(&Area) -> Result<(), PlotError>) -> Result<Pixels, PlotError> {
     if size.min_element() < SMALLEST {
         return Err(PlotError::TooSmall(size));
     }

@@ -43,6 +43,7 @@ fn lists_are_complete() {
     let folder = tempfile::tempdir().expect("a folder");
     for (what, names) in [
         ("passes", &["beauty", "lit", "mask", "depth", "normal"][..]),
+        ("plots", &["lloyd-fig7-hemisphere", "stingl-fig2-8-error-of-warps"]),
         (
             "techniques",
             &["bevy", "uniform", "lispsm", "zp4+lispsm", "ultra", "bias_scale"],

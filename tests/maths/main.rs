@@ -1,5 +1,6 @@
 //! Pure mathematics against the oracles of the papers and against properties.
 
+mod analysis;
 mod axes;
 mod body;
 mod depth_offset;

@@ -4,11 +4,12 @@ use bevy_math::{DVec2, DVec3, UVec2};
 use umbrage::maths::{
     body::{intersection_body, light_visible},
     bounds::Bounds,
-    fit::{FitInput, FitOptions, LightFit, fit_light_view},
+    error::LightSample,
+    fit::{FitInput, FitOptions, LightAxes, LightFit, fit_light_view},
     footprint::texel_footprint,
     polytope::Polytope,
     view::ViewVolume,
-    warp::Warp,
+    warp::{Warp, WarpSpan},
 };
 
 /// 2 tan Θ for Θ = 30°, the papers' camera.
@@ -32,6 +33,24 @@ pub(crate) fn papers_camera(near: f64, far: f64) -> ViewVolume {
 pub(crate) fn light_at(degrees: f64) -> DVec3 {
     let angle = degrees.to_radians();
     DVec3::new(0.0, -angle.sin(), -angle.cos())
+}
+
+/// Corners of the view frustum as samples, the span, and the sine, for a light at an angle to the view.
+pub(crate) fn frustum_samples(view: &ViewVolume, degrees: f64) -> (Vec<LightSample>, WarpSpan) {
+    let axes = LightAxes::new(view.forward(), view.up(), light_at(degrees)).expect("a light");
+    let samples: Vec<LightSample> = view
+        .corners(view.near(), view.far())
+        .iter()
+        .map(|corner| LightSample {
+            across: axes.x.dot(*corner),
+            along: axes.y.dot(*corner),
+            depth: view.depth(*corner),
+        })
+        .collect();
+    let along = || samples.iter().map(|sample| sample.along);
+    let extent = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
+    let span = WarpSpan::directional(extent, view.near(), view.forward().dot(axes.y));
+    (samples, span)
 }
 
 /// A scene that contains every view frustum of the tests.

@@ -1,35 +1,15 @@
 //! Warp parameters and error formulas against the oracles of Stingl and Lloyd.
 
 use umbrage::maths::{
-    error::{LightSample, error_across, error_along, largest_errors},
-    fit::LightAxes,
+    error::{error_across, error_along, largest_errors},
     split::{SplitScheme, split_depths},
-    view::ViewVolume,
     warp::{Warp, WarpSpan, guarded_eta},
 };
 
-use crate::support::{OPENING, close, light_at, papers_camera};
+use crate::support::{OPENING, close, frustum_samples, papers_camera};
 
 fn overhead(near: f64, far: f64) -> WarpSpan {
     WarpSpan::directional(far - near, near, 1.0)
-}
-
-/// Corners of the view frustum as samples, the span, and the sine, for a light at an angle to the view.
-fn frustum_samples(view: &ViewVolume, degrees: f64) -> (Vec<LightSample>, WarpSpan) {
-    let axes = LightAxes::new(view.forward(), view.up(), light_at(degrees)).expect("a light");
-    let samples: Vec<LightSample> = view
-        .corners(view.near(), view.far())
-        .iter()
-        .map(|corner| LightSample {
-            across: axes.x.dot(*corner),
-            along: axes.y.dot(*corner),
-            depth: view.depth(*corner),
-        })
-        .collect();
-    let along = || samples.iter().map(|sample| sample.along);
-    let extent = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
-    let span = WarpSpan::directional(extent, view.near(), view.forward().dot(axes.y));
-    (samples, span)
 }
 
 /// Stingl, oracle 1.

@@ -1,0 +1,8 @@
+//! What theory says about errors, against the tables of the papers' specifications and against the pipeline.
+
+mod direction;
+mod hemisphere;
+mod maps;
+mod metric;
+mod overhead;
+mod prediction;
