@@ -51,7 +51,7 @@ fn awkward_light(view: &ViewVolume, direction: DVec3, kind: u8, share: f64) -> D
 }
 
 /// A point of a body from shares of its vertices.
-fn inside(body: &Polytope, shares: &[f64]) -> DVec3 {
+pub(crate) fn inside(body: &Polytope, shares: &[f64]) -> DVec3 {
     let vertices = body.vertices();
     let weight = |index: usize| shares[index % shares.len()].powi(3) + 1.0e-6;
     let sum: f64 = (0..vertices.len()).map(weight).sum();

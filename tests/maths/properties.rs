@@ -18,7 +18,7 @@ use crate::{
     support::{bodies, fit},
 };
 
-fn point(range: f64) -> impl Strategy<Value = DVec3> {
+pub(crate) fn point(range: f64) -> impl Strategy<Value = DVec3> {
     [-range..range, -range..range, -range..range].prop_map(DVec3::from_array)
 }
 
