@@ -114,13 +114,16 @@ impl CasterVolume {
             let (middle, reach) = (axis.dot(center), axis.abs().dot(half));
             (middle - reach, middle + reach)
         };
-        self.half_spaces
+        // Comparisons with NaN are false: boxes without bounds are never apart.
+        let is_apart = self
+            .half_spaces
             .iter()
-            .all(|half_space| !(interval(half_space.normal).0 > half_space.distance))
-            && self.slabs.iter().all(|slab| {
+            .any(|half_space| interval(half_space.normal).0 > half_space.distance)
+            || self.slabs.iter().any(|slab| {
                 let (low, high) = interval(slab.axis);
-                !(low > slab.high || high < slab.low)
-            })
+                low > slab.high || high < slab.low
+            });
+        !is_apart
     }
 }
 

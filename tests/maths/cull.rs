@@ -51,8 +51,8 @@ fn edges_separate_what_faces_do_not() {
     let light = DVec3::new(1.0, -1.0, 0.3);
     let volume = CasterVolume::new(&body, light);
     let mut by_faces_only = 0;
-    for step in 0..40_000 {
-        let place = [7, 13, 29].map(|prime| f64::from(step * prime % 97) / 97.0 * 4.0 - 2.0);
+    for step in 0..30 * 30 * 30 {
+        let place = [1, 30, 900].map(|stride| f64::from(step / stride % 30) / 29.0 * 4.0 - 2.0);
         let caster = cube_at(DVec3::from_array(place), 0.3);
         let is_near = volume.half_spaces().iter().all(|half_space| {
             let reach = half_space.normal.abs().element_sum() * 0.3;

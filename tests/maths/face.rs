@@ -245,6 +245,23 @@ fn the_warp_of_a_face() {
     }
 }
 
+/// Over a whole frustum the guard changes next to nothing, wherever the light is.
+#[test]
+fn the_guard_leaves_whole_faces_alone() {
+    for degrees in (0..=180).step_by(5).map(f64::from) {
+        for slices in [1, 4] {
+            let cut = partitions(1000.0, light_at(degrees), &sliced(slices));
+            let (view, partitions) = &cut;
+            let guarded = partitions.iter().map(|partition| {
+                let eta = partition.guarded_eta(view, 0.0);
+                partition.largest_errors(view, eta).storage_factor()
+            });
+            let share = guarded.sum::<f64>() / storage(&cut);
+            assert!((0.9..=1.02).contains(&share), "{degrees} {slices}: {share}");
+        }
+    }
+}
+
 #[test]
 fn warps_can_be_left_out() {
     let options = FaceOptions {

@@ -112,7 +112,8 @@ impl<'a> Frustum<'a> {
     /// the axis to the other one. `None` when both point against each other: the light lies in the face.
     pub(super) fn bisector(&self, side: usize) -> Option<DVec3> {
         [side, (side + 1) % 4]
-            .map(|corner| self.in_light_plane(self.slopes[corner]).normalize_or_zero())
+            .map(|corner| self.in_light_plane(self.slopes[corner]))
+            .map(DVec3::normalize_or_zero)
             .iter()
             .sum::<DVec3>()
             .try_normalize()
