@@ -60,6 +60,16 @@
 //! | m_x, m_z | [`error::error_across`], [`error::error_along`] | S eq. 2.3 to 2.8; L eq. 7, 8 |
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
+//! | n_p, f_p | [`split::PseudoPlanes`] | S 4.2, eq. 4.1 |
+//! | FP, ZP, W | [`face::face_partitions`]; z-partitions: [`split::split_depths`]; [`warp::Warp`] | L 5.1 to 5.3 |
+//! | v · y | its sign chooses [`face::FaceSet`]; y is light-space z here | L 5.1 |
+//! | e0', e1' and their bisector | `axes.y` of [`face::FacePartition`] | L 5.1 |
+//! | k, j | slices per side, maps: [`storage::closed_storage_factor`], [`storage::crossover_maps`] | L eq. 17 to 21, figure 13 |
+//! | res_s*, res_t*, S* | [`storage::critical_size`] | L 4.2 |
+//! | res_s, res_t for S_0 texels | [`storage::budgeted_size`], [`storage::allocate`] | L eq. 13, 14 |
+//! | mask | [`selection::selection_mask`] | L 6.3 |
+//! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
+//! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
 
 pub mod bias;
 pub mod body;

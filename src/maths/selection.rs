@@ -137,7 +137,8 @@ pub struct Seam {
 }
 
 /// Blends every partition into the next over the last `share` of its depth range, so that no seam is visible where the
-/// size of texels jumps. `None` outside the range.
+/// size of texels jumps: with `LiSPSM` by α^(1/2k) across the warp axis and not at all along it, with `PSM` the other way
+/// round, by α^(1/k) (Lloyd, section 5.2). `None` outside the range.
 ///
 /// The weight rises smoothly from 0 to 1 at the split, where the next partition takes over alone: the blend of any
 /// quantity is continuous in depth. The map of the next partition must contain the band: focus it from

@@ -143,9 +143,9 @@ impl VisibleDepths {
         if !(self.nearest <= self.farthest && margin >= 0.0) {
             return (near, far);
         }
-        let widen = margin.min(1.0);
-        let nearest = (self.nearest - self.nearest.abs() * widen).max(near);
-        let farthest = (self.farthest + self.farthest.abs() * widen).min(far);
+        // `max` and `min` drop NaN.
+        let nearest = (self.nearest - self.nearest.abs() * margin).max(near);
+        let farthest = (self.farthest + self.farthest.abs() * margin).min(far);
         if nearest < farthest {
             (nearest, farthest)
         } else {

@@ -39,7 +39,7 @@ fn sliced(slices: usize) -> FaceOptions {
 }
 
 /// Lloyd's hemisphere: polar angle from overhead in `rows` steps, azimuth in `columns`; directions of travel.
-fn hemisphere(rows: u32, columns: u32) -> impl Iterator<Item = DVec3> {
+pub(crate) fn hemisphere(rows: u32, columns: u32) -> impl Iterator<Item = DVec3> {
     (0..=rows).flat_map(move |row| {
         let polar = (90.0 * f64::from(row) / f64::from(rows)).to_radians();
         (0..if row == 0 { 1 } else { columns }).map(move |column| {
@@ -249,8 +249,12 @@ fn the_warp_of_a_face() {
 #[test]
 fn the_guard_leaves_whole_faces_alone() {
     for degrees in (0..=180).step_by(5).map(f64::from) {
-        for slices in [1, 4] {
-            let cut = partitions(1000.0, light_at(degrees), &sliced(slices));
+        for (slices, near_partition) in [(1, true), (4, true), (1, false)] {
+            let options = FaceOptions {
+                near_partition,
+                ..sliced(slices)
+            };
+            let cut = partitions(1000.0, light_at(degrees), &options);
             let (view, partitions) = &cut;
             let guarded = partitions.iter().map(|partition| {
                 let eta = partition.guarded_eta(view, 0.0);
@@ -259,6 +263,18 @@ fn the_guard_leaves_whole_faces_alone() {
             let share = guarded.sum::<f64>() / storage(&cut);
             assert!((0.9..=1.02).contains(&share), "{degrees} {slices}: {share}");
         }
+    }
+    // Stretching does not weaken the warp.
+    for ratio in [2.0, 5.62, 10.0] {
+        let etas = [true, false].map(|near_partition| {
+            let options = FaceOptions {
+                near_partition,
+                ..FaceOptions::default()
+            };
+            let (view, partitions) = partitions(ratio, light_at(0.0), &options);
+            partitions[0].guarded_eta(&view, 0.0)
+        });
+        close(etas[1], etas[0], 1.0e-9);
     }
 }
 
@@ -314,6 +330,27 @@ fn the_face_set_has_inertia() {
     }
     assert_eq!(set_of(88.0, Some(away)), towards);
     assert_eq!(set_of(92.0, Some(towards)), away);
+}
+
+/// An opening so wide that light falls along lines of sight where it is almost perpendicular to the view: the other set of
+/// faces would leave gaps, so the picture before does not count.
+#[test]
+fn inertia_opens_no_gaps() {
+    let opening = 179.0_f64.to_radians();
+    let view = ViewVolume::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, opening, 1.0, 1.0, 100.0).unwrap();
+    let visible = view.polytope(100.0);
+    for degrees in [89.3_f64, 90.7] {
+        let light = light_at(degrees);
+        for previous in [FaceSet::TowardsLight, FaceSet::AwayFromLight] {
+            let options = FaceOptions {
+                previous: Some(previous),
+                ..FaceOptions::default()
+            };
+            let partitions = face_partitions(&view, &visible, light, &options);
+            let volumes = partitions.iter().map(|partition| partition.receivers.volume());
+            close(volumes.sum(), visible.volume(), 1.0e-6);
+        }
+    }
 }
 
 #[test]

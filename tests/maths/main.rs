@@ -9,6 +9,7 @@ mod kernel;
 mod partition_properties;
 mod polytope;
 mod properties;
+mod schemes;
 mod selection;
 mod split;
 mod storage;

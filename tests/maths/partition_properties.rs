@@ -160,8 +160,8 @@ proptest! {
         for partition in face_partitions(&view, &visible, light, &options) {
             let storage = |eta| partition.largest_errors(&view, eta).storage_factor();
             let (guarded, unwarped) = (storage(partition.guarded_eta(&view, 0.0)), storage(-1.0));
-            // What a stretched side has in front of its face is not judged.
-            let allowed = if partition.start_along < partition.near_along { 3.0 } else { 1.021 };
+            // A stretched side is judged with a slightly weaker warp than it gets.
+            let allowed = if partition.start_along < partition.near_along { 1.3 } else { 1.021 };
             prop_assert!(guarded <= unwarped * allowed, "{:?} {}: {guarded} against {unwarped}", partition.face, partition.slice);
         }
     }

@@ -121,6 +121,8 @@ fn seams_rise_from_one_partition_to_the_next() {
     assert_eq!(parts(4.5), (0, 1, 0.5));
     assert_eq!(parts(5.0), (1, 2, 0.0));
     assert_eq!(parts(18.125), (1, 2, 0.5));
+    // The cubic at a quarter.
+    assert_eq!(parts(4.25), (0, 1, 0.15625));
     assert_eq!(parts(99.9), (3, 3, 0.0));
     for share in [0.0, -1.0, f64::NAN] {
         assert_eq!(depth_seam(&DEPTHS, 4.999, share).unwrap().weight, 0.0);
@@ -183,7 +185,9 @@ fn border_weights_sum_to_one_and_are_continuous() {
 fn shadows_fade_at_the_end_of_their_range() {
     let fade = |depth| range_fade(depth, 100.0, 0.2);
     assert_eq!([fade(0.0), fade(80.0), fade(100.0), fade(500.0)], [1.0, 1.0, 0.0, 0.0]);
-    assert_eq!(fade(90.0), 0.5);
+    assert_eq!([fade(85.0), fade(90.0), fade(95.0)], [0.84375, 0.5, 0.15625]);
+    // Its slope is 0 at both ends.
+    assert!(fade(80.1) > 0.9999 && fade(99.9) < 1.0e-4);
     let mut last = 1.0;
     for step in 0..=2000 {
         let next = fade(f64::from(step) * 0.1);

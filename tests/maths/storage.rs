@@ -182,6 +182,16 @@ fn limits_are_kept() {
     assert_eq!(allocation.sizes[0].x, 1000);
     assert!(allocation.sizes[0].y > 450, "{allocation:?}");
     assert!(allocation.texels() <= 1 << 19);
+    // Two maps with one S̄ keep one number of texels.
+    let limits = SizeLimits {
+        largest: 1024,
+        ..SizeLimits::default()
+    };
+    let alike = allocate(&[errors(64.0, 1.0), errors(8.0, 8.0)], 1 << 20, &limits);
+    assert_eq!(alike.sizes, [UVec2::new(1024, 512), UVec2::splat(720)]);
+    // A side that is raised to the smallest does not shorten the other one: that has the largest error.
+    let small = allocate(&[errors(1.0, 64.0), errors(8.0, 8.0)], 1 << 14, &limits);
+    assert_eq!(small.sizes, [UVec2::new(64, 192), UVec2::splat(64)]);
 }
 
 #[test]

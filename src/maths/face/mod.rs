@@ -183,17 +183,13 @@ impl FacePartition {
     /// a ground seen with light from behind, in the column of the bottom face. Without the guard such maps need up to ten
     /// times the texels of unwarped ones; over a whole frustum it changes next to nothing. See [`guarded_eta`].
     ///
-    /// For stretched sides it judges the face alone, with what lies before it drawn to its near end; all of such a map may
-    /// need twice the texels of an unwarped one.
+    /// A stretched side is judged as if its warp began at its own near end; such maps may need a fifth more texels than
+    /// unwarped ones.
     pub fn guarded_eta(&self, view: &ViewVolume, target: f64) -> f64 {
         if !self.warped {
             return -1.0;
         }
-        let mut samples = self.samples(view);
-        for sample in &mut samples {
-            sample.along = sample.along.max(self.near_along);
-        }
-        guarded_eta(target, &samples, &self.span())
+        guarded_eta(target, &self.samples(view), &self.span())
     }
 
     /// The largest errors of a map fitted to the receivers with this strength, relative to pixels of `view`: multiply by the

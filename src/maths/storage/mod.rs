@@ -99,9 +99,10 @@ impl Allocation {
 /// Divides a budget of texels among maps so that their largest errors are equal (Lloyd, section 4.2, for several maps).
 ///
 /// Map i gets the size √λ (M_x, M_z), with the largest λ whose sizes, clamped to the limits and rounded down to
-/// multiples, stay within the budget. Where one side is clamped the other takes over its texels, as far as it may. Maps
-/// with errors that are zero, negative or not finite get the smallest size. For one camera, leave out the factor
-/// picture height: it changes nothing.
+/// multiples, stay within the budget. A side clamped to the largest hands its texels over to the other one, as far as that
+/// may grow; a side raised to the smallest takes its texels from all maps, since the other side still needs its own. Maps
+/// with errors that are zero, negative or not finite get the smallest size. For one camera, leave out the factor picture
+/// height: it changes nothing.
 pub fn allocate(errors: &[LargestErrors], texel_budget: u64, limits: &SizeLimits) -> Allocation {
     let (smallest, largest) = limits.sides();
     let count = errors.len() as u64;
@@ -172,16 +173,10 @@ fn sized(errors: &LargestErrors, scale: f64, limits: &SizeLimits) -> UVec2 {
     let Some(wanted) = wanted(errors) else {
         return UVec2::splat(smallest);
     };
-    let mut size = wanted * scale;
-    for limit in [high, low] {
-        let clamped = if limit == high {
-            size.min(DVec2::splat(high))
-        } else {
-            size.max(DVec2::splat(low))
-        };
-        let left = size / clamped;
-        size = (clamped * DVec2::new(left.y, left.x)).clamp(DVec2::splat(low), DVec2::splat(high));
-    }
+    let (low, high) = (DVec2::splat(low), DVec2::splat(high));
+    let size = wanted * scale;
+    let left = size / size.min(high);
+    let size = (size.min(high) * DVec2::new(left.y, left.x)).clamp(low, high);
     let multiple = limits.multiple.max(1);
     UVec2::new(size.x as u32, size.y as u32) / multiple * multiple
 }
