@@ -133,10 +133,7 @@ impl<'a> Frustum<'a> {
     /// The axis of the near face's map, which is not warped: of the projections of the camera's right and up direction the
     /// one that gives the smaller box around the face.
     pub(super) fn near_axis(&self, visible: &Polytope) -> DVec3 {
-        let face = self
-            .near_column()
-            .iter()
-            .fold(visible.clone(), |body, side| body.clip(side));
+        let face = self.near_column().iter().fold(visible.clone(), Polytope::clip);
         let right = self.view.forward().cross(self.view.up());
         let axes = [self.view.up(), right].map(|axis| self.in_light_plane(axis).normalize_or_zero());
         let area = |axis: DVec3| {

@@ -4,7 +4,9 @@
 //! yet each of its four sides is a trapezoid. [`face_partitions`] cuts what is visible with planes through the edges
 //! between faces and along the light, so that each partition holds the light rays through one face, and gives each its own
 //! warp axis. Their error is nearly the same for every direction of light: the peak of a single warped map where light and
-//! view are parallel is gone. They pay for it in maps: 4 k for k slices, and one for the near face.
+//! view are parallel is gone. They pay for it in maps: 4 k for k slices, and one for the near face. These are the five maps
+//! that Scherzer 2005, section 4.4, names against duelling frusta; its other proposal, up to four maps in one texture, is
+//! what [`fill_atlas`](super::storage::fill_atlas) does with them.
 //!
 //! # Why there is no gap
 //!
@@ -308,7 +310,7 @@ impl Cut<'_> {
         column: Vec<HalfSpace>,
         axes: LightAxes,
     ) -> Option<FacePartition> {
-        let receivers = column.iter().fold(self.visible.clone(), |body, side| body.clip(side));
+        let receivers = column.iter().fold(self.visible.clone(), Polytope::clip);
         let range = |value: &dyn Fn(DVec3) -> f64| {
             let values = receivers.vertices().iter().map(|vertex| value(*vertex));
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
