@@ -197,7 +197,7 @@ fn storage_of_the_near_face_is_the_cosine() {
     }
 }
 
-/// Lloyd, section 2.8 of the derivation: sides stretched over the near face keep M_x, and M_z grows by
+/// Lloyd, sections 5.2 and 5.3: sides stretched over the near face keep M_x, and M_z grows by
 /// √α ÷ (√α − 1).
 #[test]
 fn stretched_sides_are_slightly_worse() {
