@@ -82,22 +82,37 @@
 //! | n, f, Θ under light from overhead | [`analysis::overhead::OverheadRange`] | L 4.1 |
 //! | k, j; ZP, FP, W | `slices`, `maps`; [`analysis::maps::Partitioning`] | L 5.2, 5.3 |
 //! | e0', e1' | `edges` in [`analysis::faces::face_errors`] | L 5.1 |
+//! | n_p, f_p | [`split::PseudoPlanes`] | S 4.2, eq. 4.1 |
+//! | FP, ZP, W | [`face::face_partitions`]; z-partitions: [`split::split_depths`]; [`warp::Warp`] | L 5.1 to 5.3 |
+//! | v · y | its sign chooses [`face::FaceSet`]; y is light-space z here | L 5.1 |
+//! | e0', e1' and their bisector | `axes.y` of [`face::FacePartition`] | L 5.1 |
+//! | k, j | slices per side, maps: [`storage::closed_storage_factor`], [`storage::crossover_maps`] | L eq. 17 to 21, figure 13 |
+//! | res_s*, res_t*, S* | [`storage::critical_size`] | L 4.2 |
+//! | res_s, res_t for S_0 texels | [`storage::budgeted_size`], [`storage::allocate`] | L eq. 13, 14 |
+//! | mask | [`selection::selection_mask`] | L 6.3 |
+//! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
+//! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
 
 pub mod analysis;
 pub mod bias;
 pub mod body;
 pub mod bounds;
 mod clip;
+pub mod cull;
 pub mod depth_offset;
 pub mod error;
+pub mod face;
 pub mod filter;
 pub mod fit;
 pub mod footprint;
 mod hull;
+pub mod kernel;
 pub mod light;
 pub mod near_plane;
 pub mod polytope;
+pub mod selection;
 pub mod split;
 pub mod stable;
+pub mod storage;
 pub mod view;
 pub mod warp;

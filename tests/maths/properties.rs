@@ -18,11 +18,11 @@ use crate::{
     support::{bodies, fit},
 };
 
-fn point(range: f64) -> impl Strategy<Value = DVec3> {
+pub(crate) fn point(range: f64) -> impl Strategy<Value = DVec3> {
     [-range..range, -range..range, -range..range].prop_map(DVec3::from_array)
 }
 
-fn direction() -> impl Strategy<Value = DVec3> {
+pub(crate) fn direction() -> impl Strategy<Value = DVec3> {
     point(1.0).prop_filter_map("no direction", DVec3::try_normalize)
 }
 
@@ -32,7 +32,7 @@ fn scene() -> impl Strategy<Value = Bounds> {
 }
 
 /// A scene and a camera near it that mostly looks at it.
-fn seen() -> impl Strategy<Value = (Bounds, ViewVolume)> {
+pub(crate) fn seen() -> impl Strategy<Value = (Bounds, ViewVolume)> {
     let look = ([0.0..1.0, 0.0..1.0, 0.0..1.0], any::<bool>());
     (scene(), point(60.0), look, 0.2..2.4, 0.3..3.0, 0.05..2.0, 5.0..2000.0).prop_filter_map(
         "no camera",
@@ -94,7 +94,7 @@ fn options() -> impl Strategy<Value = FitOptions> {
 }
 
 /// Any direction, or (nearly) along the view.
-fn light_for(view: &ViewVolume, direction: DVec3, along: u8) -> DVec3 {
+pub(crate) fn light_for(view: &ViewVolume, direction: DVec3, along: u8) -> DVec3 {
     match along {
         0 => view.forward(),
         1 => -view.forward(),

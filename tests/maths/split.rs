@@ -1,8 +1,15 @@
 //! Split distances against the thesis' numbers.
 
-use umbrage::maths::split::{SplitScheme, split_depths};
+use bevy_math::DVec3;
+use umbrage::maths::{
+    body::{adjusted_depths, light_visible},
+    bounds::Bounds,
+    error::{error_across, error_along},
+    split::{PseudoPlanes, SplitScheme, VISIBLE_MARGIN, VisibleDepths, pseudo_split_depths, split_depths},
+    view::ViewVolume,
+};
 
-use crate::support::close;
+use crate::support::{OPENING, close};
 
 #[track_caller]
 fn assert_depths(actual: &[f64], expected: &[f64]) {
@@ -81,5 +88,174 @@ fn counts_and_ranges_out_of_bounds() {
     assert_depths(
         &split_depths(&SplitScheme::Logarithmic, -1.0, 3.0, 2),
         &[-1.0, 1.0, 3.0],
+    );
+}
+
+/// Lloyd, equations 15 and 16 and oracle 11: self-similar splits are the logarithmic ones.
+#[test]
+fn self_similar_splits_are_logarithmic() {
+    let (near, far, count) = (0.3, 700.0, 6);
+    let depths = split_depths(&SplitScheme::Logarithmic, near, far, count);
+    for index in 1..=count {
+        let exponent = (index as f64 - 1.0) / count as f64;
+        close(depths[index - 1], near * (far / near).powf(exponent), 1.0e-12);
+        close(
+            depths[index] / depths[index - 1],
+            (far / near).powf(1.0 / count as f64),
+            1.0e-12,
+        );
+    }
+}
+
+/// Lloyd, oracle 12, and Stingl, oracle 14: k (α^(1/k) − 1) falls towards ln α; the storage of unwarped logarithmic
+/// splits is α^(1/k) times as large and ends there too.
+#[test]
+fn storage_of_logarithmic_splits_converges_to_the_optimum() {
+    let ratio = 1000.0_f64;
+    let sum = |count: usize| {
+        let depths = split_depths(&SplitScheme::Logarithmic, 1.0, ratio, count);
+        depths.windows(2).map(|range| range[1] / range[0] - 1.0).sum::<f64>()
+    };
+    let sums: Vec<f64> = (1..=16).map(sum).collect();
+    assert!(sums.is_sorted_by(|a, b| a > b) && sums[15] > ratio.ln(), "{sums:?}");
+    close(sums[3] / ratio.ln(), 2.677, 1.0e-3);
+    close(sums[15] / ratio.ln(), 1.251, 1.0e-3);
+    let many = 100_000.0;
+    close(many * (500.0_f64.powf(1.0 / many) - 1.0) / OPENING, 5.382, 1.0e-3);
+}
+
+/// Stingl, oracle 13: with n_opt all logarithmic splits have the same error, (r − 1) ÷ (2 tan Θ √r) at the ends of the
+/// warp axis and √r across it.
+#[test]
+fn warped_logarithmic_splits_are_equal() {
+    let depths = split_depths(&SplitScheme::Logarithmic, 1.0, 500.0, 4);
+    for range in depths.windows(2) {
+        let (near, far) = (range[0], range[1]);
+        let warp_near = near + (near * far).sqrt();
+        close(error_across(near, warp_near, near, far), 2.1746, 1.0e-4);
+        for end in [near, far] {
+            close(error_along(end, warp_near, near, far, OPENING), 1.4850, 1.0e-4);
+        }
+    }
+}
+
+/// Stingl, equation 4.1: the inner distances are those of the scheme on the pseudo planes, the outer ones stay.
+#[test]
+fn pseudo_planes_move_inner_distances_only() {
+    let (near, far) = (1.0, 300.0);
+    let pseudo = PseudoPlanes { near: 30.0, far: 270.0 };
+    for lambda in [0.0_f32, 0.5, 1.0] {
+        let depths = pseudo_split_depths(&SplitScheme::Practical { lambda }, near, far, pseudo, 4);
+        assert_eq!((depths[0], depths[4]), (near, far));
+        for (index, depth) in depths.iter().enumerate().take(4).skip(1) {
+            let share = index as f64 / 4.0;
+            let lambda = f64::from(lambda);
+            let expected = (1.0 - lambda) * (30.0 + 240.0 * share) + lambda * 30.0 * 9.0_f64.powf(share);
+            close(*depth, expected, 1.0e-9);
+        }
+        assert!(depths.is_sorted_by(|a, b| a < b), "{depths:?}");
+    }
+}
+
+#[test]
+fn pseudo_planes_that_say_nothing() {
+    let scheme = SplitScheme::Practical { lambda: 0.5 };
+    let plain = split_depths(&scheme, 1.0, 300.0, 5);
+    for (near, far) in [
+        (0.0, 1000.0),
+        (f64::NAN, f64::NAN),
+        (200.0, 100.0),
+        (500.0, 600.0),
+        (0.2, 0.5),
+        (1.0, 300.0),
+    ] {
+        assert_eq!(
+            pseudo_split_depths(&scheme, 1.0, 300.0, PseudoPlanes { near, far }, 5),
+            plain,
+            "{near} {far}"
+        );
+    }
+    let manual = SplitScheme::Manual(vec![7.0]);
+    let planes = PseudoPlanes { near: 30.0, far: 200.0 };
+    assert_depths(&pseudo_split_depths(&manual, 1.0, 300.0, planes, 2), &[1.0, 7.0, 300.0]);
+    assert_depths(&pseudo_split_depths(&scheme, 1.0, 300.0, planes, 1), &[1.0, 300.0]);
+    assert!(pseudo_split_depths(&scheme, f64::NAN, 300.0, planes, 2).is_empty());
+    assert!(pseudo_split_depths(&scheme, 300.0, 1.0, planes, 2).is_empty());
+}
+
+/// Stingl, section 4.2: shares of 0 are the planes themselves (oracle 29 shows them so).
+#[test]
+fn pseudo_planes_from_shares() {
+    let planes = |near_share, far_share| PseudoPlanes::from_shares(1.0, 301.0, near_share, far_share);
+    assert_eq!(planes(0.0, 0.0), PseudoPlanes { near: 1.0, far: 301.0 });
+    assert_eq!(planes(0.1, 0.2), PseudoPlanes { near: 31.0, far: 241.0 });
+    assert_eq!(planes(-1.0, f64::NAN), planes(0.0, 0.0));
+    assert_eq!(planes(2.0, 2.0), PseudoPlanes { near: 301.0, far: 1.0 });
+}
+
+#[test]
+fn visible_depths_shorten_the_range_with_a_margin() {
+    let shown = VisibleDepths {
+        nearest: 100.0,
+        farthest: 600.0,
+    };
+    assert_eq!(shown.range(0.1, 1000.0, 0.0), (100.0, 600.0));
+    let (near, far) = shown.range(0.1, 1000.0, VISIBLE_MARGIN);
+    close(near, 90.0, 1.0e-12);
+    close(far, 660.0, 1.0e-12);
+    assert_eq!(shown.range(0.1, 620.0, VISIBLE_MARGIN).1, 620.0);
+    assert_eq!(shown.range(95.0, 1000.0, VISIBLE_MARGIN).0, 95.0);
+    assert_eq!(shown.range(0.1, 1000.0, 7.0), (0.1, 1000.0));
+}
+
+#[test]
+fn visible_depths_that_say_nothing() {
+    let all = (0.1, 1000.0);
+    for (nearest, farthest, margin) in [
+        (f64::NAN, 5.0, 0.1),
+        (5.0, f64::NAN, 0.1),
+        (f64::INFINITY, f64::NEG_INFINITY, 0.1),
+        (2000.0, 3000.0, 0.1),
+        (0.01, 0.02, 0.1),
+        (6.0, 5.0, 0.1),
+        (5.0, 6.0, f64::NAN),
+        (5.0, 6.0, -0.5),
+        (5.0, 5.0, 0.0),
+    ] {
+        assert_eq!(
+            VisibleDepths { nearest, farthest }.range(all.0, all.1, margin),
+            all,
+            "{nearest} {farthest} {margin}"
+        );
+    }
+}
+
+/// A view over a city from 120 m above its roofs. The scene's box begins at the eye, since one tower reaches up there, so
+/// the adjusted near plane does not help; what the picture has shown does. With it four splits beat one map fitted to
+/// the visible depths; without it three of four splits are empty and the fourth is no better than that one map.
+#[test]
+fn empty_depths_in_front_of_a_city_cost_no_partitions() {
+    let eye = DVec3::new(0.0, 150.0, 0.0);
+    let camera = ViewVolume::perspective(eye, DVec3::new(0.0, -0.4, -1.0), DVec3::Y, 1.0, 1.5, 0.1, 1000.0).unwrap();
+    let scene = Bounds::new(DVec3::new(-1000.0, 0.0, -1000.0), DVec3::new(1000.0, 160.0, 1000.0));
+    let (near, far) = adjusted_depths(&light_visible(&camera, &scene), &camera).unwrap();
+    close(near, 0.1, 1.0e-6);
+    let shown = VisibleDepths {
+        nearest: 110.0,
+        farthest: far,
+    };
+    let worst_ratio = |(near, far), count| {
+        let depths = split_depths(&SplitScheme::Logarithmic, near, far, count);
+        let filled = depths.windows(2).filter(|range| range[1] > shown.nearest);
+        let ratios: Vec<f64> = filled.map(|range| range[1] / range[0]).collect();
+        (ratios.len(), ratios.into_iter().fold(1.0, f64::max))
+    };
+    let range = shown.range(near, far, VISIBLE_MARGIN);
+    let (one_map, four) = (worst_ratio(range, 1), worst_ratio(range, 4));
+    let whole = worst_ratio((near, far), 4);
+    assert_eq!((whole.0, four.0), (1, 4), "partitions that are not empty");
+    assert!(
+        whole.1 > one_map.1 * 0.9 && four.1 * 5.0 < one_map.1,
+        "{whole:?} {one_map:?} {four:?}"
     );
 }
