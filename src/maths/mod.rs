@@ -115,4 +115,5 @@ pub mod split;
 pub mod stable;
 pub mod storage;
 pub mod view;
+pub mod virtual_map;
 pub mod warp;

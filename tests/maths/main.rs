@@ -31,4 +31,5 @@ mod stable;
 mod stable_warp;
 mod storage;
 mod support;
+mod virtual_map;
 mod warp;
