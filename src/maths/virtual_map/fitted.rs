@@ -32,6 +32,7 @@ use super::{
     grid::{MAX_GRID, NeedCell, NeedGrid},
     mapping::{MAX_LEVEL, TileMappingMap},
     picture::PixelRect,
+    thrift,
     tile::{Tile, TileWindow},
 };
 
@@ -48,6 +49,10 @@ pub struct FittedMap {
     pub tile_size_min: u32,
     /// Texels around each core for filters; textures are larger than cores by twice as many.
     pub margin: u32,
+    /// What drawing one more tile costs, in texels. `None` splits tiles only where their need exceeds the largest texture, as
+    /// the thesis does: fewest tiles, most texels. With a cost, the plan with the least texels + cost · tiles is found; 65 536
+    /// is a good start. Grids of more than 256 cells per axis are always split as in the thesis.
+    pub tile_cost: Option<u32>,
 }
 
 impl Default for FittedMap {
@@ -59,6 +64,7 @@ impl Default for FittedMap {
             tile_size_max: 4096,
             tile_size_min: 64,
             margin: 0,
+            tile_cost: None,
         }
     }
 }
@@ -148,31 +154,10 @@ impl FittedMap {
             grid,
             cap: self.cap(grid.depth()),
         };
-        let mut tiles = Vec::new();
-        let mut nodes = vec![Node {
-            place: UVec2::ZERO,
-            splits: UVec2::ZERO,
-        }];
-        while let Some(node) = nodes.pop() {
-            let need = traversal.need(&node);
-            if need.pixels == 0 {
-                continue;
-            }
-            let parts = traversal.parts(&node, &need);
-            if parts == UVec2::ZERO {
-                tiles.push(traversal.leaf(&node, &need));
-                continue;
-            }
-            // The last one pushed is the next.
-            for y in (0..=parts.y).rev() {
-                for x in (0..=parts.x).rev() {
-                    nodes.push(Node {
-                        place: (node.place << parts) + UVec2::new(x, y),
-                        splits: node.splits + parts,
-                    });
-                }
-            }
-        }
+        let tiles = match self.tile_cost {
+            Some(cost) if grid.depth() <= thrift::MAX_DEPTH => thrift::cheapest(&traversal, cost),
+            _ => traversal.leaves(),
+        };
         FittedPlan {
             tiles,
             cap: traversal.cap,
@@ -186,21 +171,67 @@ fn floor_power(value: u32) -> u32 {
     1 << value.max(1).ilog2()
 }
 
+/// A tile under consideration.
 #[derive(Clone, Copy)]
-struct Node {
-    place: UVec2,
+pub(super) struct Node {
+    pub(super) place: UVec2,
     /// p: log2 of the tiles per axis.
-    splits: UVec2,
+    pub(super) splits: UVec2,
 }
 
-struct Traversal<'a> {
-    map: &'a FittedMap,
-    grid: &'a NeedGrid,
-    cap: u32,
+impl Node {
+    pub(super) fn new(place: [u32; 2], splits: [u32; 2]) -> Self {
+        Self {
+            place: place.into(),
+            splits: splits.into(),
+        }
+    }
+
+    /// Both halves across an axis.
+    pub(super) fn halves(&self, axis: usize) -> [Self; 2] {
+        let step = UVec2::AXES[axis];
+        [0, 1].map(|half| Self {
+            place: (self.place << step) + step * half,
+            splits: self.splits + step,
+        })
+    }
+}
+
+pub(super) struct Traversal<'a> {
+    pub(super) map: &'a FittedMap,
+    pub(super) grid: &'a NeedGrid,
+    pub(super) cap: u32,
 }
 
 impl Traversal<'_> {
-    fn need(&self, node: &Node) -> NeedCell {
+    /// The thesis's plan.
+    fn leaves(&self) -> Vec<FittedTile> {
+        let mut tiles = Vec::new();
+        let mut nodes = vec![Node::new([0, 0], [0, 0])];
+        while let Some(node) = nodes.pop() {
+            let need = self.need(&node);
+            if need.pixels == 0 {
+                continue;
+            }
+            let parts = self.parts(&node, &need);
+            if parts == UVec2::ZERO {
+                tiles.push(self.leaf(&node, &need));
+                continue;
+            }
+            // The last one pushed is the next.
+            for y in (0..=parts.y).rev() {
+                for x in (0..=parts.x).rev() {
+                    nodes.push(Node {
+                        place: (node.place << parts) + UVec2::new(x, y),
+                        splits: node.splits + parts,
+                    });
+                }
+            }
+        }
+        tiles
+    }
+
+    pub(super) fn need(&self, node: &Node) -> NeedCell {
         let level = node.splits.max_element();
         let shift = UVec2::splat(level) - node.splits;
         self.grid.region(level, node.place << shift, (node.place + 1) << shift)
@@ -213,7 +244,7 @@ impl Traversal<'_> {
     }
 
     /// 1 for each axis that must be split.
-    fn parts(&self, node: &Node, need: &NeedCell) -> UVec2 {
+    pub(super) fn parts(&self, node: &Node, need: &NeedCell) -> UVec2 {
         let is_split = |axis: usize| {
             let is_coarse = self.side(node, need, axis) > i64::from(self.map.largest_core());
             u32::from(is_coarse && node.splits[axis] < self.grid.depth())
@@ -221,7 +252,7 @@ impl Traversal<'_> {
         UVec2::new(is_split(0), is_split(1))
     }
 
-    fn leaf(&self, node: &Node, need: &NeedCell) -> FittedTile {
+    pub(super) fn leaf(&self, node: &Node, need: &NeedCell) -> FittedTile {
         let largest = self.map.largest_core();
         let smallest = floor_power(self.map.tile_size_min).ilog2().min(largest);
         let core = |axis| {

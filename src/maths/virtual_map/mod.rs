@@ -48,6 +48,7 @@ pub mod mapping;
 pub mod memory;
 pub mod picture;
 pub mod queried;
+mod thrift;
 pub mod tile;
 pub mod tiled;
 pub mod transparent;

@@ -156,35 +156,128 @@ fn quality_drop_ends_at_one_map() {
     assert_eq!(plan.effective_resolution(), 4096);
 }
 
-/// Cost falls with ξ; the number of tiles does but for rare cases of one-axis splits (1 in 21 000 of the specification).
+/// As the thesis splits, tiles and texels fall with ξ but for cases of one-axis splits (tiles: 1 in 21 000 of the
+/// specification); the cheapest plan's cost never rises.
 #[test]
-fn texels_fall_with_quality_drop() {
+fn cost_falls_with_quality_drop() {
     let mut numbers = Numbers(7);
-    let (mut violations, mut costly, mut steps) = (0, 0, 0);
+    let (mut more_tiles, mut more_texels, mut steps) = (0, 0, 0);
     for run in 0..300 {
         let n = [4, 8, 16][run % 3];
         let occupied = numbers.unit();
-        let cells = random_cells(n, occupied, &mut numbers);
-        let plans: Vec<FittedPlan> = (0..8)
-            .map(|quality_drop| {
-                FittedMap {
-                    quality_drop,
-                    tile_size_max: 1024,
-                    ..map(n)
+        let cells = grid(&random_cells(n, occupied, &mut numbers));
+        for tile_cost in [None, Some(0), Some(10_000)] {
+            let settings = FittedMap {
+                tile_size_max: 1024,
+                tile_cost,
+                ..map(n)
+            };
+            let plans: Vec<FittedPlan> = (0..8)
+                .map(|quality_drop| {
+                    FittedMap {
+                        quality_drop,
+                        ..settings
+                    }
+                    .plan(&cells)
+                })
+                .collect();
+            for pair in plans.windows(2) {
+                match tile_cost {
+                    None => {
+                        more_tiles += u32::from(pair[1].tiles.len() > pair[0].tiles.len());
+                        more_texels += u32::from(pair[1].texels() > pair[0].texels());
+                        steps += 1;
+                    }
+                    Some(price) => assert!(cost(&pair[1], price) <= cost(&pair[0], price)),
                 }
-                .plan(&grid(&cells))
-            })
-            .collect();
-        for pair in plans.windows(2) {
-            costly += u32::from(pair[1].texels() > pair[0].texels());
-            violations += u32::from(pair[1].tiles.len() > pair[0].tiles.len());
-            steps += 1;
+            }
         }
     }
     assert!(
-        violations <= 3 && costly == 0 && steps == 2100,
-        "{violations}, {costly} of {steps}"
+        more_tiles <= 3 && (1..100).contains(&more_texels) && steps == 2100,
+        "{more_tiles} {more_texels}"
     );
+}
+
+fn cost(plan: &FittedPlan, tile_cost: u32) -> u64 {
+    plan.texels() + plan.tiles.len() as u64 * u64::from(tile_cost)
+}
+
+/// The least cost of a node, by trying everything, from the cells alone.
+fn least_cost(cells: &[NeedCell], n: u32, place: UVec2, counts: UVec2, price: u32) -> u64 {
+    let part = UVec2::splat(n) / counts;
+    let inside = |index: &usize| UVec2::new(*index as u32 % n, *index as u32 / n) / part == place;
+    let need = (0..cells.len())
+        .filter(inside)
+        .fold(NeedCell::EMPTY, |need, index| need.merged(cells[index]));
+    if need.pixels == 0 {
+        return 0;
+    }
+    let side = |axis: usize| (1_u64 << need.levels[axis].min(14)) / u64::from(counts[axis]);
+    let is_leaf = (0..2).all(|axis| side(axis) <= 4096 || counts[axis] == n);
+    let leaf = if is_leaf {
+        side(0).clamp(1, 4096) * side(1).clamp(1, 4096) + u64::from(price)
+    } else {
+        u64::MAX
+    };
+    [UVec2::X, UVec2::Y].into_iter().fold(leaf, |least, step| {
+        if (counts * (step + 1)).max_element() > n {
+            return least;
+        }
+        let halves =
+            [0, 1].map(|half| least_cost(cells, n, place * (step + 1) + step * half, counts * (step + 1), price));
+        least.min(halves[0].saturating_add(halves[1]))
+    })
+}
+
+/// The plan with a price per tile is the cheapest there is, covers all pixels, and gives every cell its need.
+#[test]
+fn thrifty_plans_are_the_cheapest() {
+    let mut numbers = Numbers(12);
+    for _ in 0..25 {
+        let cells = random_cells(4, 0.6, &mut numbers);
+        for price in [0, 50_000, 10_000_000] {
+            let settings = FittedMap {
+                tile_cost: Some(price),
+                ..map(4)
+            };
+            let plan = settings.plan(&grid(&cells));
+            assert_eq!(
+                cost(&plan, price),
+                least_cost(&cells, 4, UVec2::ZERO, UVec2::ONE, price)
+            );
+            let thesis = map(4).plan(&grid(&cells));
+            assert!(cost(&plan, price) <= cost(&thesis, price));
+            for (index, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.pixels > 0) {
+                let place = Tile {
+                    place: UVec2::new(index as u32 % 4, index as u32 / 4),
+                    counts: UVec2::splat(4),
+                };
+                let over: Vec<_> = plan.tiles.iter().filter(|leaf| leaf.tile.covers(&place)).collect();
+                assert_eq!(over.len(), 1);
+                for axis in 0..2 {
+                    assert!(over[0].effective_resolution()[axis] >= 1 << u32::from(cell.levels[axis]).min(plan.cap));
+                }
+                assert_eq!(over[0].rect.union(cell.rect), over[0].rect);
+            }
+        }
+    }
+    // A grid that is too fine for the search is split as in the thesis.
+    let mut cells = vec![NeedCell::EMPTY; 512 * 512];
+    cells[7] = NeedCell {
+        levels: [18, 9],
+        pixels: 1,
+        rect: PixelRect::whole(UVec2::ONE),
+    };
+    let fine = |tile_cost| {
+        FittedMap {
+            quality_drop: -4,
+            tile_cost,
+            ..FittedMap::default()
+        }
+        .plan(&grid(&cells))
+    };
+    assert_eq!(fine(Some(100)), fine(None));
 }
 
 /// ξ below 0: the grid grows, the same needs are capped, and each level costs four times the texels.

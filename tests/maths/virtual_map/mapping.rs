@@ -201,16 +201,6 @@ fn the_listing_on_the_ground() {
     }
 }
 
-trait Map {
-    fn map(self, function: impl Fn(f64) -> f64) -> Self;
-}
-
-impl Map for DVec2 {
-    fn map(self, function: impl Fn(f64) -> f64) -> Self {
-        Self::new(function(self.x), function(self.y))
-    }
-}
-
 /// Why the box is not the default: a sliver of a pixel across both axes has a small box in texels and a huge texel in
 /// pixels.
 #[test]

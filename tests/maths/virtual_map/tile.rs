@@ -141,7 +141,7 @@ fn tiles_have_the_depths_of_one_large_map() {
                     worst = worst.max((large.z - small.z).abs());
                     let place = DVec2::new(0.5 + 0.5 * small.x, 0.5 - 0.5 * small.y) * f64::from(size);
                     let centre = (texel % size).as_dvec2() + 0.5;
-                    assert!(place.distance(centre) < 0.01, "{place} is not {centre}");
+                    assert!(place.distance(centre) < 0.03, "{place} is not {centre}");
                     if n == 1 {
                         assert_eq!(large, small, "one tile is the map");
                     }
