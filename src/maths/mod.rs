@@ -38,7 +38,7 @@
 //! # Glossary
 //!
 //! Papers: S = Stingl 2011 (*Robust Hard Shadows*), L = Lloyd et al. 2006 (*Warping and Partitioning for Low Error
-//! Shadow Maps*).
+//! Shadow Maps*), G = Giegl 2007 (*Practical CG Research, Game Development and the European Union GameTools Project*).
 //!
 //! | paper | here | where |
 //! |---|---|---|
@@ -92,6 +92,17 @@
 //! | mask | [`selection::selection_mask`] | L 6.3 |
 //! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
 //! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
+//! | n (tiles), θ | `tiles_per_axis`; `margin`: [`virtual_map::tile::filter_margin`] | G 3.3, 3.5 |
+//! | a, b (projection) | `scale`, `offset` in [`virtual_map::picture::view_from_picture`] | G eq. 3.1 |
+//! | ξ, ξ_max (tiles) | `counts` of [`virtual_map::tile::Tile`], [`virtual_map::queried::QueriedMap::max_tiles_per_axis`] | G 4.3, 4.4 |
+//! | η, η_min, f_η | `changed`, [`virtual_map::queried::ChangeThreshold`], `decay` | G 4.3.2, 4.4.2 |
+//! | s, s_max; t_max | `tile_size`, `tile_size_max` | G 4.5; 5.9 |
+//! | k, l | `splits`, `jumps` of [`virtual_map::queried::Refinement`] | G 4.5 |
+//! | Δ, N, R | extent, need, level: [`virtual_map::mapping::need_level`], [`virtual_map::bytes::byte_need`] | G 5.5, 5.6 |
+//! | SMTMM, SMTG, SMTGP | [`virtual_map::mapping::TileMappingMap`], [`virtual_map::grid::NeedGrid`] and its levels | G 5.5 to 5.8 |
+//! | η_0, η_1 | [`virtual_map::grid::Histogram`]: all levels | G 5.7 |
+//! | ξ (quality), p | `quality_drop`, `splits` of a node: [`virtual_map::fitted::FittedMap`] | G 5.11, 5.9 |
+//! | ESDB, SRT | [`virtual_map::picture::DepthPicture`]; the shadow result | G 3.3.3, 3.4 |
 
 pub mod analysis;
 pub mod bias;

@@ -1,55 +1,57 @@
 //! Needs of an earlier frame: how much finer, and where else, a moved camera may need the map.
 //!
-//! A read-back within the frame is the reference: it knows the needs exactly, and waits. A plan from the needs of the frame
-//! before waits for nothing, but the camera has moved by then. [`PictureMotion`] makes the earlier needs large enough for
-//! *any* camera within a motion.
+//! A read-back within the frame is the reference: it knows the needs exactly, and waits. A plan from the needs of the
+//! frame before waits for nothing, but the camera has moved by then. [`PictureMotion`] makes the earlier needs large
+//! enough for *any* camera within a motion.
 //!
 //! # Derivation
 //!
-//! A point of the scene at view depth Z lies at the place q (pixels from the principal point, f pixels per unit of tangent)
-//! of the picture. A step over the surface with view-space components (t_xy, t_z), for example that of one map length along u,
-//! moves its image by the pixels
+//! A point of the scene at view depth Z lies at the place q (pixels from the principal point, f pixels per unit of
+//! tangent) of the picture. A step over the surface with view-space components (t_xy, t_z), for example that of one map
+//! length along u, moves its image by the pixels
 //!
 //! ```text
 //! s = f ÷ Z (t_xy − (q ÷ f) t_z)                                                                                   (1)
 //! ```
 //!
-//! and its need is |s|. *First the camera moves* by at most δ = speed · time in any direction, without turning. Z' ≥ Z − δ, and
-//! (1) for the new place q' and depth, minus Z ÷ Z' times (1), is
+//! and its need is |s|. *First the camera moves* by at most δ = speed · time in any direction, without turning. Z' ≥ Z
+//! − δ, and (1) for the new place q' and depth, minus Z ÷ Z' times (1), is
 //!
 //! ```text
 //! s' − (Z ÷ Z') s = (q − q') t_z ÷ Z'        |q − q'| = f |Z δ_x − X δ_z| ÷ (Z Z') ≤ f δ ÷ (Z' cos α)
 //! |s'| ≤ Z ÷ (Z − δ) · |s| + f δ |t_z| ÷ ((Z − δ)² cos α)                                                            (2)
 //! ```
 //!
-//! with α between the axis and the ray to the point: X² + Z² = Z² ÷ cos² α. The second term is what an oblique surface gains by
-//! being seen from another side. *Then it turns* by at most ψ = turning · time, about any axis through the eye. A rotation R takes
-//! the image step to s'' = f ÷ z (R s)_xy − … = (f ÷ z) ((R s)_xy − (q'' ÷ f)(R s)_z), z the third coordinate of R (q', f). s
-//! lies in the picture's plane, so |(R s)_z| ≤ |s| sin ψ; and z = f cos α'' ÷ cos α'. Hence
+//! with α between the axis and the ray to the point: X² + Z² = Z² ÷ cos² α. The second term is what an oblique surface
+//! gains by being seen from another side. *Then it turns* by at most ψ = turning · time, about any axis through the
+//! eye. A rotation R takes the image step to s'' = f ÷ z (R s)_xy − … = (f ÷ z) ((R s)_xy − (q'' ÷ f)(R s)_z), z the
+//! third coordinate of R (q', f). s lies in the picture's plane, so |(R s)_z| ≤ |s| sin ψ; and z = f cos α'' ÷ cos α'.
+//! Hence
 //!
 //! ```text
 //! |s''| ≤ |s'| (cos α' ÷ cos α'')(1 + tan α'' sin ψ) ≤ |s'| (cos ψ + tan θ sin ψ)(1 + tan θ sin ψ)                        (3)
 //! ```
 //!
-//! since α' ≥ α'' − ψ, and α'' ≤ θ, the angle to the corner, for every point that is still in the picture; with ψ > θ the
-//! first factor is 1 ÷ cos θ, because α' may be 0. For turning first and moving then the same holds: the eye's way is what
-//! counts, and δ bounds it in any direction.
+//! since α' ≥ α'' − ψ, and α'' ≤ θ, the angle to the corner, for every point that is still in the picture; with ψ > θ
+//! the first factor is 1 ÷ cos θ, because α' may be 0. For turning first and moving then the same holds: the eye's way
+//! is what counts, and δ bounds it in any direction.
 //!
 //! # What it cannot know
 //!
-//! Needs are those of the light map they were measured in: draw the plan with *that* light view, not with one fitted to the new
-//! camera. And no dilation covers what was not in the earlier picture at all: behind things, and in a strip along the border
-//! ([`entering_angle`](crate::maths::near_plane::entering_angle)). Cells without any earlier pixel get a coarse tile by
-//! [`GridOptions::floor_level`](super::grid::GridOptions::floor_level), and the measure against the reference shows how much
-//! that matters. Cells with some earlier pixels may be too coarse for new ones nearer than those.
+//! Needs are those of the light map they were measured in: draw the plan with *that* light view, not with one fitted to
+//! the new camera. And no dilation covers what was not in the earlier picture at all: behind things, and in a strip
+//! along the border ([`entering_angle`](crate::maths::near_plane::entering_angle)). Cells without any earlier pixel get
+//! a coarse tile by [`GridOptions::floor_level`](super::grid::GridOptions::floor_level), and the measure against the
+//! reference shows how much that matters. Cells with some earlier pixels may be too coarse for new ones nearer than
+//! those.
 
 use bevy_math::{DVec2, DVec3};
 
 use super::{mapping::PixelPatch, picture::DepthPicture};
 use crate::maths::{near_plane::Motion, view::ViewVolume};
 
-/// A bound of a camera's motion, in the terms of its picture. Perspective cameras with square pixels; an orthographic picture
-/// neither grows nor shears by motion, so its needs stay.
+/// A bound of a camera's motion, in the terms of its picture. Perspective cameras with square pixels; an orthographic
+/// picture neither grows nor shears by motion, so its needs stay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureMotion {
     /// δ: metres.
@@ -63,8 +65,8 @@ pub struct PictureMotion {
 }
 
 impl PictureMotion {
-    /// For a camera and the motion between measuring and drawing. `picture_height` in pixels. Negative and NaN motions count as
-    /// none. `None` for orthographic cameras.
+    /// For a camera and the motion between measuring and drawing. `picture_height` in pixels. Negative and NaN motions
+    /// count as none. `None` for orthographic cameras.
     pub fn new(view: &ViewVolume, motion: &Motion, picture_height: f64) -> Option<Self> {
         let opening = view.opening();
         let corners = view.corners(0.0, 1.0);
@@ -88,8 +90,8 @@ impl PictureMotion {
         tilt * (1.0 + sine)
     }
 
-    /// Needs of a patch for every camera within the motion: inequalities 2 and 3. Infinite for surfaces that the camera may
-    /// reach.
+    /// Needs of a patch for every camera within the motion: inequalities 2 and 3. Infinite for surfaces that the camera
+    /// may reach.
     pub fn dilated_need(&self, need: DVec2, patch: &PixelPatch, picture: &DepthPicture) -> DVec2 {
         let place = patch.clip.truncate();
         let depth = picture.linear_depth(place, patch.clip.z);
@@ -116,12 +118,12 @@ impl PictureMotion {
         self.corner * self.corner * place.abs().max_element().powi(2).min(1.0)
     }
 
-    /// Most pixels by which anything that was at or beyond a view depth moves over the picture while it stays inside: the guard
-    /// of screen rectangles that a plan of an earlier frame needs.
+    /// Most pixels by which anything that was at or beyond a view depth moves over the picture while it stays inside:
+    /// the guard of screen rectangles that a plan of an earlier frame needs.
     ///
-    /// The rays to it before and after, each in its camera's axes, are at most γ = ψ + arcsin(δ ÷ Z) apart. With a = (q ÷ f, 1) and
-    /// b likewise, sin γ = |a × b| ÷ (|a| |b|), and |a × b| ≥ |a − b| because the line through a and b is at least 1 away from
-    /// the eye. So |q'' − q| ≤ f sin γ ÷ cos² θ.
+    /// The rays to it before and after, each in its camera's axes, are at most γ = ψ + arcsin(δ ÷ Z) apart. With a = (q
+    /// ÷ f, 1) and b likewise, sin γ = |a × b| ÷ (|a| |b|), and |a × b| ≥ |a − b| because the line through a and b is
+    /// at least 1 away from the eye. So |q'' − q| ≤ f sin γ ÷ cos² θ.
     pub fn flow(&self, least_depth: f64) -> f64 {
         let angle = self.turn + (self.step / least_depth).clamp(0.0, 1.0).asin();
         let sine = angle.min(std::f64::consts::FRAC_PI_2).sin();

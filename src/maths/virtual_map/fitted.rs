@@ -2,29 +2,29 @@
 //!
 //! # Traversal
 //!
-//! A node is a tile of a grid of 2^p_x × 2^p_y; its need is the largest in its cells, read from the pyramid at level
-//! m = max(p_x, p_y). With t = min(need, cap) − ξ on each axis,
+//! A node is a tile of a grid of 2^p_x × 2^p_y; its need is the largest in its cells, read from the pyramid at level m
+//! = max(p_x, p_y). With t = min(need, cap) − ξ on each axis,
 //!
 //! ```text
 //! split the axis if   t > p + log2 s_max   and   p < log2 n             else   side = 2^clamp(t − p, log2 s_min, log2 s_max)
 //! ```
 //!
-//! Nodes without pixels are dropped. Both the level limit and the empty-node test are missing in the thesis, whose test also
-//! has the sign of log2 s_max wrong: as printed it never ends. cap = log2 n + log2 s_max is the finest that the settings can
-//! give; taking ξ from the capped need makes ξ = log2 n exactly one map of s_max in every scene.
+//! Nodes without pixels are dropped. Both the level limit and the empty-node test are missing in the thesis, whose test
+//! also has the sign of log2 s_max wrong: as printed it never ends. cap = log2 n + log2 s_max is the finest that the
+//! settings can give; taking ξ from the capped need makes ξ = log2 n exactly one map of s_max in every scene.
 //!
-//! A negative ξ asks for more than a texel per pixel. The grid then has n 2^(−ξ) cells per axis, so that the same pixels are
-//! capped as at ξ = 0.
+//! A negative ξ asks for more than a texel per pixel. The grid then has n 2^(−ξ) cells per axis, so that the same
+//! pixels are capped as at ξ = 0.
 //!
 //! # On the GPU
 //!
-//! `plan(cells: storage array<NeedCell>, leaves: storage array<FittedTile>, count: atomic, draws: storage array<indirect>)`, one
-//! workgroup with the queue in workgroup memory: each round takes up to 256 nodes, each invocation runs [`FittedMap`]'s test
-//! on one and appends children or a leaf. The order of leaves then depends on scheduling; the picture does not, because
-//! leaves are disjoint. Viewports cannot be set from the GPU: slots per texture size with indirect draws of zero instances, or
-//! a read-back of the leaves.
-//! `apply(leaf: uniform, tile_depth: texture_depth_2d, depth: texture_depth_2d, result: texture_storage_2d<r8unorm, write>)`,
-//! 8 × 8 over the leaf's rectangle: unproject, skip what [`Tile::contains`] denies, look up at [`Tile::texture_uv`], write.
+//! `plan(cells: storage array<NeedCell>, leaves: storage array<FittedTile>, count: atomic, draws: storage
+//! array<indirect>)`, one workgroup with the queue in workgroup memory: each round takes up to 256 nodes, each
+//! invocation runs [`FittedMap`]'s test on one and appends children or a leaf. The order of leaves then depends on
+//! scheduling; the picture does not, because leaves are disjoint. Viewports cannot be set from the GPU: slots per
+//! texture size with indirect draws of zero instances, or a read-back of the leaves. `apply(leaf: uniform, tile_depth:
+//! texture_depth_2d, depth: texture_depth_2d, result: texture_storage_2d<r32float, write>)`, 8 × 8 over the leaf's
+//! rectangle: unproject, skip what [`Tile::contains`] denies, look up at [`Tile::texture_uv`], write.
 
 use bevy_math::{DMat4, UVec2};
 
@@ -39,7 +39,8 @@ use super::{
 /// Settings of a fitted map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FittedMap {
-    /// ξ: levels taken off every need. 1 halves the resolution everywhere, −1 doubles it; −4..=5 is useful, more is allowed.
+    /// ξ: levels taken off every need. 1 halves the resolution everywhere, −1 doubles it; −4..=5 is useful, more is
+    /// allowed.
     pub quality_drop: i32,
     /// n: most tiles per axis at ξ = 0; a power of two.
     pub tiles_per_axis: u32,
@@ -49,9 +50,9 @@ pub struct FittedMap {
     pub tile_size_min: u32,
     /// Texels around each core for filters; textures are larger than cores by twice as many.
     pub margin: u32,
-    /// What drawing one more tile costs, in texels. `None` splits tiles only where their need exceeds the largest texture, as
-    /// the thesis does: fewest tiles, most texels. With a cost, the plan with the least texels + cost · tiles is found; 65 536
-    /// is a good start. Grids of more than 256 cells per axis are always split as in the thesis.
+    /// What drawing one more tile costs, in texels. `None` splits tiles only where their need exceeds the largest
+    /// texture, as the thesis does: fewest tiles, most texels. With a cost, the plan with the least texels + cost ·
+    /// tiles is found; 65 536 is a good start. Grids of more than 256 cells per axis are always split as in the thesis.
     pub tile_cost: Option<u32>,
 }
 
@@ -102,8 +103,7 @@ impl FittedTile {
 pub struct FittedPlan {
     /// In the order of the traversal.
     pub tiles: Vec<FittedTile>,
-    /// log2 of the largest need that was met; pixels that need more are capped
-    /// ([`TileMappingMap::texels_above`]).
+    /// log2 of the largest need that was met; pixels that need more are capped ([`TileMappingMap::texels_above`]).
     pub cap: u32,
     /// ξ, as it was used.
     pub quality_drop: i32,
@@ -147,7 +147,8 @@ impl FittedMap {
         floor_power(self.tile_size_max).ilog2()
     }
 
-    /// The tiles for a grid, depth first, children row by row. Finer grids than needed are no harm; coarser ones cap more.
+    /// The tiles for a grid, depth first, children row by row. Finer grids than needed are no harm; coarser ones cap
+    /// more.
     pub fn plan(&self, grid: &NeedGrid) -> FittedPlan {
         let traversal = Traversal {
             map: self,

@@ -2,12 +2,11 @@
 //!
 //! # On the GPU
 //!
-//! The cells are what `mapping` writes with atomics ([`mapping`](super::mapping)): six `u32` per cell (`need_x`, `need_y`,
-//! `pixels`, and a rectangle as two packed `u16` pairs with atomicMin/Max on each of four words where 16 bits do not
-//! suffice), and optionally 2 × 32 counters of the histogram. `pyramid(cells: storage array<NeedCell>)`, one workgroup of 256,
-//! level by level with a barrier between: parent = max of needs, union of rectangles, sum of pixels. 1365 cells for n = 32.
+//! The cells are what `mapping` writes with atomics ([`mapping`](super::mapping)), and optionally 2 × 32 counters of
+//! the histogram for each. `pyramid(cells: storage array<NeedCell>)`, one workgroup of 256, level by level with a
+//! barrier between: parent = max of needs, union of rectangles, sum of pixels. 1365 cells for n = 32.
 
-use bevy_math::{DVec2, UVec2};
+use bevy_math::{UVec2, Vec2};
 
 use super::{
     mapping::{MAX_LEVEL, MappingTexel, TileMappingMap},
@@ -22,17 +21,19 @@ pub const MAX_GRID: u32 = 1024;
 pub struct GridOptions {
     /// n: cells per axis, rounded up to a power of two, at most [`MAX_GRID`].
     pub tiles_per_axis: u32,
-    /// Picture pixels by which rectangles grow on each side. A mapping map at the picture's size needs none; a smaller one
-    /// needs one of its own texels, since the pixels between two of its texels may belong to another tile than both.
+    /// Picture pixels by which rectangles grow on each side. A mapping map at the picture's size needs none; a smaller
+    /// one needs one of its own texels, since the pixels between two of its texels may belong to another tile than
+    /// both.
     pub rect_guard: u32,
-    /// Cells by which a texel of a smaller mapping map may also count around its own, as far as the pixels it stands for
-    /// reach on its patch. Without it, cells that only pixels between two texels see would get no tile: holes. 0 is off.
+    /// Cells by which a texel of a smaller mapping map may also count around its own, as far as the pixels it stands
+    /// for reach on its patch. Without it, cells that only pixels between two texels see would get no tile: holes. 0 is
+    /// off.
     pub spread: u32,
     /// Share of a cell's pixels, 0..=1, whose needs may be ignored: the extreme ones, by axis (section 5.7: "very few
     /// pixels"; no rule is printed). 0.005 is worth trying. They are counted as [`NeedGrid::discarded`].
     pub discard_fraction: f64,
-    /// log2 of the resolution that cells without any pixel get: `None` leaves them out. With needs of an earlier frame it
-    /// says how fine a shadow is where nothing was seen then.
+    /// log2 of the resolution that cells without any pixel get: `None` leaves them out. With needs of an earlier frame
+    /// it says how fine a shadow is where nothing was seen then.
     pub floor_level: Option<u8>,
 }
 
@@ -51,8 +52,8 @@ impl Default for GridOptions {
 /// A cell of the grid, or of a level of the pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NeedCell {
-    /// Largest log2 of the texels per axis *of the whole map* that a pixel in the cell needs. Because it refers to the whole
-    /// map, the maximum over cells is exact on every level of the pyramid.
+    /// Largest log2 of the texels per axis *of the whole map* that a pixel in the cell needs. Because it refers to the
+    /// whole map, the maximum over cells is exact on every level of the pyramid.
     pub levels: [u8; 2],
     /// Texels of the mapping map that count here: 0 is an empty cell, which gets no tile.
     pub pixels: u32,
@@ -78,8 +79,8 @@ impl NeedCell {
     }
 }
 
-/// Pixels per level of need, for both axes: the full histogram. The thesis has 8 bins from η_0 = 17 to η_1 = 22, which its
-/// cap of 2¹⁷ makes no sense of.
+/// Pixels per level of need, for both axes: the full histogram. The thesis has 8 bins from η_0 = 17 to η_1 = 22, which
+/// its cap of 2¹⁷ makes no sense of.
 pub type Histogram = [[u32; MAX_LEVEL as usize + 1]; 2];
 
 /// Needs over the light map.
@@ -97,7 +98,13 @@ impl NeedGrid {
     /// Collects a mapping map. An empty map gives a grid without pixels.
     pub fn new(map: &TileMappingMap, options: &GridOptions) -> Self {
         let n = options.tiles_per_axis.clamp(1, MAX_GRID).next_power_of_two();
-        let collector = Collector { map, options, n };
+        let edges = [0, 1].map(|axis| {
+            let (size, picture) = (map.size[axis], map.picture[axis]);
+            (0..size)
+                .map(|place| [place * picture / size, ((place + 1) * picture).div_ceil(size)])
+                .collect()
+        });
+        let collector = Collector { map, options, n, edges };
         let mut cells = vec![NeedCell::EMPTY; (n * n) as usize];
         let mut histogram = [[0; MAX_LEVEL as usize + 1]; 2];
         collector.each(|place, texel| {
@@ -190,6 +197,8 @@ struct Collector<'a> {
     map: &'a TileMappingMap,
     options: &'a GridOptions,
     n: u32,
+    /// First and last picture column of each column of the mapping map; rows likewise.
+    edges: [Vec<[u32; 2]>; 2],
 }
 
 impl Collector<'_> {
@@ -204,15 +213,25 @@ impl Collector<'_> {
         }
     }
 
-    /// Cells in which a texel counts: its own, and those its pixels reach.
+    /// Cells in which a texel counts: its own, and those its pixels reach. None for places that are NaN.
     fn each_cell(&self, texel: &MappingTexel, mut visit: impl FnMut(usize)) {
-        let (uv, n) = (texel.uv.as_dvec2(), f64::from(self.n));
-        let cell = |uv: DVec2| (uv * n).clamp(DVec2::ZERO, DVec2::splat(n - 1.0)).as_uvec2();
-        let own = cell(uv);
+        if texel.uv.is_nan() {
+            return;
+        }
+        // Conversions saturate below 0.
+        let cell = |place: Vec2| place.as_uvec2().min(UVec2::splat(self.n - 1));
+        let n = self.n as f32;
+        let (place, reach) = (texel.uv * n, texel.reach * n);
+        let own = cell(place);
+        let inside = place - own.as_vec2();
+        let is_alone = inside.cmpge(reach).all() && (inside + reach).cmplt(Vec2::ONE).all();
+        if is_alone || self.options.spread == 0 {
+            visit((own.y * self.n + own.x) as usize);
+            return;
+        }
         let spread = UVec2::splat(self.options.spread);
-        let reach = texel.reach.as_dvec2();
-        let first = cell(uv - reach).max(own.saturating_sub(spread));
-        let last = cell(uv + reach).min(own + spread);
+        let first = cell(place - reach).max(own.saturating_sub(spread));
+        let last = cell(place + reach).min(own.saturating_add(spread));
         for y in first.y..=last.y {
             for x in first.x..=last.x {
                 visit((y * self.n + x) as usize);
@@ -222,15 +241,16 @@ impl Collector<'_> {
 
     /// The pixels that a texel stands for: whole, not only the one that was looked at.
     fn rect(&self, place: UVec2) -> PixelRect {
-        let (size, picture) = (self.map.size, self.map.picture);
+        let [columns, rows] = &self.edges;
+        let (column, row) = (columns[place.x as usize], rows[place.y as usize]);
         PixelRect {
-            min: place * picture / size,
-            max: ((place + 1) * picture + size - 1) / size,
+            min: UVec2::new(column[0], row[0]),
+            max: UVec2::new(column[1], row[1]),
         }
     }
 
-    /// Lowers the level of each cell to the least that leaves at most the allowed share of its pixels above it. Returns the
-    /// texels above, each once.
+    /// Lowers the level of each cell to the least that leaves at most the allowed share of its pixels above it. Returns
+    /// the texels above, each once.
     fn discard(&self, cells: &mut [NeedCell]) -> u32 {
         let fraction = self.options.discard_fraction.clamp(0.0, 1.0);
         // NaN stays NaN and discards nothing.

@@ -1,12 +1,12 @@
-//! [`TileMappingMap`]: where every pixel of the picture will look into the light map, and how finely (Giegl, sections 5.5,
-//! 5.6 and 5.17).
+//! [`TileMappingMap`]: where every pixel of the picture will look into the light map, and how finely (Giegl, sections
+//! 5.5, 5.6 and 5.17).
 //!
 //! # The patch of a pixel
 //!
-//! M = `light clip_from_world` · `camera world_from_clip` takes the picture to the light map in one projective step. A plane
-//! is an affine function z(x, y) of depth over the picture ([`DepthPicture`]), so one step of a pixel moves clip coordinates
-//! by c' = M (δ, z') with the depth's slope z', and the quotient rule gives the Jacobian of the map over the picture, exactly
-//! for planes and for every warp:
+//! M = `light clip_from_world` · `camera world_from_clip` takes the picture to the light map in one projective step. A
+//! plane is an affine function z(x, y) of depth over the picture ([`DepthPicture`]), so one step of a pixel moves clip
+//! coordinates by c' = M (δ, z') with the depth's slope z', and the quotient rule gives the Jacobian of the map over
+//! the picture, exactly for planes and for every warp:
 //!
 //! ```text
 //! ∂u = ½ (c'_x − (c_x ÷ c_w) c'_w) ÷ c_w      ∂v = −½ (c'_y − (c_y ÷ c_w) c'_w) ÷ c_w
@@ -14,28 +14,29 @@
 //!
 //! # The need
 //!
-//! Let J = (g_x g_y) have the columns ∂(u, v) per pixel to the right and down. Its inverse has the columns s_u, s_v: what one
-//! map length along u, v is in pixels. A map of N_u × N_v texels has texels with sides s_u ÷ N_u, s_v ÷ N_v in the picture, so
+//! Let J = (g_x g_y) have the columns ∂(u, v) per pixel to the right and down. Its inverse has the columns s_u, s_v:
+//! what one map length along u, v is in pixels. A map of N_u × N_v texels has texels with sides s_u ÷ N_u, s_v ÷ N_v in
+//! the picture, so
 //!
 //! ```text
 //! N_u = |s_u| = √(∂v_x² + ∂v_y²) ÷ |det J|      N_v = |s_v| = √(∂u_x² + ∂u_y²) ÷ |det J|        NeedMeasure::Sides
 //! ```
 //!
 //! makes both sides at most one pixel. The thesis asks for less: the box of the pixel in the map, N_u = 1 ÷ max |∂u|
-//! ([`NeedMeasure::Box`]). The two agree where pixels project to rectangles along u and v. Where they project to slivers
-//! *across* the axes (a surface that light grazes, turned against the map), the box is one texel while a texel may cover
-//! hundreds of pixels: there the thesis's map is coarse. An error of a texel's sides is at most 1 then, its area
-//! too, and its longest extent at most √2. For that to be 1 as well, both needs grow by √(1 + |cos φ|) with φ between s_u and
-//! s_v ([`NeedMeasure::Extent`]): unit columns have the Gram matrix ((1, cos φ), (cos φ, 1)), eigenvalues 1 ± cos φ, and
-//! shorter columns have smaller ones.
+//! ([`NeedMeasure::Box`]). The two agree where pixels project to rectangles along u and v. Where they project to
+//! slivers *across* the axes (a surface that light grazes, turned against the map), the box is one texel while a texel
+//! may cover hundreds of pixels: there the thesis's map is coarse. An error of a texel's sides is at most 1 then, its
+//! area too, and its longest extent at most √2. For that to be 1 as well, both needs grow by √(1 + |cos φ|) with φ
+//! between s_u and s_v ([`NeedMeasure::Extent`]): unit columns have the Gram matrix ((1, cos φ), (cos φ, 1)),
+//! eigenvalues 1 ± cos φ, and shorter columns have smaller ones.
 //!
 //! # On the GPU
 //!
-//! `mapping(depth: texture_depth_2d, view: uniform { map_from_picture: mat4x4, … }, cells: storage array<NeedCell, atomic>)`,
-//! 8 × 8, one invocation per picture pixel: patch, need, then `atomicMax(need_x, need_y)`, `atomicMin/Max(rect)`,
-//! `atomicAdd(pixels, histogram)` into the cell of the position ([`NeedGrid`](super::grid::NeedGrid)), reduced in workgroup
-//! memory by cell first. The low-resolution form writes `MappingTexel` per invocation to a storage texture (`rgba8unorm` for
-//! the thesis's bytes) that is read back.
+//! `mapping(depth: texture_depth_2d, view: uniform { map_from_picture: mat4x4, … }, cells: storage array<NeedCell,
+//! atomic>)`, 8 × 8, one invocation per picture pixel: patch, need, then `atomicMax(need_x, need_y)`,
+//! `atomicMin/Max(rect)`, `atomicAdd(pixels, histogram)` into the cell of the position
+//! ([`NeedGrid`](super::grid::NeedGrid)), reduced in workgroup memory by cell first. The low-resolution form writes
+//! `MappingTexel` per invocation to a storage texture (`rgba8unorm` for the thesis's bytes) that is read back.
 
 use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2, Vec2};
 
@@ -56,12 +57,13 @@ pub enum NeedMeasure {
     Sides,
     /// Every extent of a texel at most one pixel; up to ½ level more.
     Extent,
-    /// The listing of the thesis: half the box, in the map, of the four points one step to each side, with linear depths.
+    /// The listing of the thesis: half the box, in the map, of the four points one step to each side, with linear
+    /// depths.
     Box,
 }
 
-/// Which of the two neighbours on an axis gives the slope of a patch. The thesis says both (section 5.5: larger; 5.6 and
-/// the listing: smaller).
+/// Which of the two neighbours on an axis gives the slope of a patch. The thesis says both (section 5.5: larger; 5.6
+/// and the listing: smaller).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NeighbourPick {
     /// The one that differs less in depth: the same surface at a silhouette. Safe.
@@ -84,8 +86,8 @@ pub struct MappingOptions {
     pub bytes: bool,
     /// Levels subtracted before rounding up; 0 never undersamples, ½ is the thesis's rounding.
     pub need_bias: f64,
-    /// Leave out pixels on surfaces that face away from the light: they are dark by their own shading. Surfaces with smooth
-    /// normals may be shaded there, so it is off by default.
+    /// Leave out pixels on surfaces that face away from the light: they are dark by their own shading. Surfaces with
+    /// smooth normals may be shaded there, so it is off by default.
     pub skip_facing_away: bool,
     /// Needs that hold for any camera within this motion: see [`feedback`](super::feedback). `None`: for this one.
     pub motion: Option<PictureMotion>,
@@ -132,14 +134,14 @@ pub struct PixelPatch {
 }
 
 impl PixelPatch {
-    /// Positive where light and camera see the same side of the surface: neither projection mirrors, so one pixel keeps its
-    /// orientation in the map.
+    /// Positive where light and camera see the same side of the surface: neither projection mirrors, so one pixel keeps
+    /// its orientation in the map.
     pub fn facing(&self) -> f64 {
         self.steps[0].perp_dot(self.steps[1])
     }
 
-    /// One map length along u and along v, in pixels: the columns of the inverse Jacobian. Not finite for patches that are
-    /// edge-on to the light.
+    /// One map length along u and along v, in pixels: the columns of the inverse Jacobian. Not finite for patches that
+    /// are edge-on to the light.
     pub fn sides(&self) -> [DVec2; 2] {
         let [right, down] = self.steps;
         [DVec2::new(down.y, -right.y), DVec2::new(-down.x, right.x)].map(|side| side / self.facing())
@@ -165,8 +167,8 @@ impl PixelPatch {
     }
 }
 
-/// log2 of a need in whole levels, rounded up after taking off a bias, within 0..=31: ⌈log2 N − bias⌉. Infinite needs and
-/// NaN (edge-on patches) have the largest level.
+/// log2 of a need in whole levels, rounded up after taking off a bias, within 0..=31: ⌈log2 N − bias⌉. Infinite needs
+/// and NaN (edge-on patches) have the largest level.
 pub fn need_level(need: f64, bias: f64) -> u8 {
     let level = (need.log2() - bias).ceil();
     // NaN compares false.
@@ -177,9 +179,9 @@ pub fn need_level(need: f64, bias: f64) -> u8 {
     }
 }
 
-/// The slope towards + of a value from its neighbours, one step away on each side, by the pick rule. Signed: the negative
-/// neighbour's difference is taken the other way round. A neighbour outside of the picture or without geometry leaves the
-/// choice to the other; without both the patch counts as facing the camera, 0.
+/// The slope towards + of a value from its neighbours, one step away on each side, by the pick rule. Signed: the
+/// negative neighbour's difference is taken the other way round. A neighbour outside of the picture or without geometry
+/// leaves the choice to the other; without both the patch counts as facing the camera, 0.
 pub fn picked_slope(center: f64, negative: Option<f64>, positive: Option<f64>, pick: NeighbourPick) -> f64 {
     let slopes = [
         negative.map(|value| center - value),
@@ -223,8 +225,8 @@ pub struct TileMappingMap {
 }
 
 impl TileMappingMap {
-    /// Samples a picture with `size` texels, at most one per pixel; full size misses nothing. `light_clip_from_world` is the
-    /// light view of the whole map, with reverse z, focused and warped in any way.
+    /// Samples a picture with `size` texels, at most one per pixel; full size misses nothing. `light_clip_from_world`
+    /// is the light view of the whole map, with reverse z, focused and warped in any way.
     pub fn new(picture: &DepthPicture, light_clip_from_world: &DMat4, size: UVec2, options: &MappingOptions) -> Self {
         let size = size.clamp(UVec2::ONE, picture.size());
         let sampler = Sampler::new(picture, light_clip_from_world, size, options);

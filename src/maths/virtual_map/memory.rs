@@ -1,4 +1,5 @@
-//! Textures of tiles: size modes (Giegl, section 5.12), waves under a bound of memory, and what to do when a bound is too small.
+//! Textures of tiles: size modes (Giegl, section 5.12), waves under a bound of memory, and what to do when a bound is
+//! too small.
 
 use std::ops::Range;
 
@@ -48,9 +49,9 @@ impl TextureMode {
         }
     }
 
-    /// Bytes of all textures that a mode may ever need, one of each size, with sides of 1 to `largest` (a power of two) and no
-    /// margins. Relative to `largest`²: 1, 1, 4/3, and for exact textures 8/3 if no tile is more than twice as long as wide
-    /// (`is_near_square`), else 4. The thesis prints 8/3, which leaves out the longer ones.
+    /// Bytes of all textures that a mode may ever need, one of each size, with sides of 1 to `largest` (a power of two)
+    /// and no margins. Relative to `largest`²: 1, 1, 4/3, and for exact textures 8/3 if no tile is more than twice as
+    /// long as wide (`is_near_square`), else 4. The thesis prints 8/3, which leaves out the longer ones.
     pub fn pool_bytes(self, largest: u32, is_near_square: bool) -> u64 {
         let sides = || {
             (0..32)
@@ -126,8 +127,8 @@ impl FittedMap {
     }
 
     /// These settings with tiles small enough that one texture fits a budget, and as many more of them: s_max halves, n
-    /// doubles, and the finest resolution stays (until [`MAX_GRID`](super::grid::MAX_GRID)). `None` if not even the smallest
-    /// tile fits.
+    /// doubles, and the finest resolution stays (until [`MAX_GRID`](super::grid::MAX_GRID)). `None` if not even the
+    /// smallest tile fits.
     ///
     /// A margin is added to the power of two: 4096² with a margin does not fit into 64 MiB, so its tiles become 2048².
     pub fn within(&self, budget_bytes: u64) -> Option<Self> {
@@ -144,8 +145,8 @@ impl FittedMap {
         }
     }
 
-    /// A plan whose textures are all alive together, as applying many tiles in one pass needs it: where they do not fit a
-    /// budget, ξ rises for all until they do, so that quality drops evenly. The plan's
+    /// A plan whose textures are all alive together, as applying many tiles in one pass needs it: where they do not fit
+    /// a budget, ξ rises for all until they do, so that quality drops evenly. The plan's
     /// [`quality_drop`](FittedPlan::quality_drop) says by how much. `None` if not even the smallest textures fit.
     pub fn plan_together(&self, grid: &NeedGrid, mode: TextureMode, budget_bytes: u64) -> Option<FittedPlan> {
         (self.quality_drop..=self.quality_drop.max(0).saturating_add(32)).find_map(|quality_drop| {

@@ -29,16 +29,44 @@
 //! assert_eq!(plan.tiles.len(), 1, "2217 texels across the map: one tile of 4096");
 //! ```
 //!
+//! # Steps of a frame
+//!
+//! Each GPU step has its twin here; the modules say what an invocation does.
+//!
+//! | step | reads | writes | twin |
+//! |---|---|---|---|
+//! | `mapping` | depth, `map_from_picture` | cells (atomics), or a mapping map that is read back | [`mapping::pixel_need`] |
+//! | `pyramid` | cells | parents | [`grid::NeedGrid`] |
+//! | `plan` | pyramid | tiles, indirect draws | [`fitted::FittedMap::plan`] |
+//! | raster passes | `array<TileUniform>` | depth, one viewport per tile | [`tile::Tile::clip_from_world`] |
+//! | `apply` | depth, tile depth, `TileUniform` | shadow result; reports (queried) | [`tile::Tile::contains`], [`tile::Tile::texture_uv`], [`queried::changed_result`] |
+//! | `decide` | reports | tiles of the next level, jumps | [`queried::QueriedMap::decide`] |
+//!
+//! ```wgsl
+//! struct TileUniform {
+//!     clip_from_world: mat4x4<f32>,   // crop · map, composed in double precision
+//!     place: vec2<u32>, counts: vec2<u32>,
+//!     size: vec2<u32>, margin: u32, texture: u32,
+//!     rect: vec4<u32>,                // min, max
+//! }
+//! struct NeedCell { need_x: atomic<u32>, need_y: atomic<u32>, pixels: atomic<u32>, rect: array<atomic<u32>, 4> }
+//! struct TileReport { changed: atomic<u32>, inside: atomic<u32>, rect: array<atomic<u32>, 4> }
+//! ```
+//!
+//! A tiled map is `raster` and `apply` over the whole picture, tile by tile, through one texture.
+//!
 //! # Memory
 //!
-//! Besides the tile textures, which [`memory`] bounds: the shadow result, 1 byte per pixel; the grid, 24 bytes per cell and 4/3
-//! of it for the pyramid (32 KiB for n = 32; 43 MiB for 1024), 256 more per cell with a histogram; a mapping map that is read back,
-//! 4 bytes per texel as bytes, 18 as numbers.
+//! Besides the tile textures, which [`memory`] bounds: the shadow result, 1 byte per pixel; the grid, 32 bytes per cell
+//! and a third more for the pyramid (43 KiB for n = 32, 43 MiB for 1024), 256 more per cell with a histogram; a mapping
+//! map that is read back, 4 bytes per texel as bytes, 20 as numbers.
 //!
 //! # Agreement of both sides
 //!
-//! The shaders decide in single precision. A need that lies within 10⁻⁵ of a whole level may be rounded to the other side
-//! there, so plans are compared with tolerance, pictures without: any plan that is fine enough is right.
+//! The shaders decide in single precision. A need that lies within 10⁻⁵ of a whole level may be rounded to the other
+//! side there, so plans are compared with tolerance, pictures without: any plan that is fine enough is right. But
+//! within a frame `mapping` and `apply` must compute the same place for a pixel, by the same function from the same
+//! inputs, or a pixel on the border of a tile finds itself in a cell that no one asked for.
 
 pub mod bytes;
 pub mod feedback;

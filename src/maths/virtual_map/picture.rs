@@ -73,10 +73,10 @@ impl PixelRect {
 
 /// The depths of a camera's prepass: reverse z (1 or more nearest), 0 where there is nothing.
 ///
-/// This stands for the eye-space depth buffer of Giegl, section 3.3.3, which stores linear depth in a texture of its own
-/// because the depth buffers of 2007 lost precision. Reverse depth in single precision does not, and has a virtue: on a
-/// plane it is an affine function of the pixel's place, since both are projective coordinates of one point, so that
-/// differences between neighbours are exact slopes. Differences of linear depth are not.
+/// This stands for the eye-space depth buffer of Giegl, section 3.3.3, which stores linear depth in a texture of its
+/// own because the depth buffers of 2007 lost precision. Reverse depth in single precision does not, and has a virtue:
+/// on a plane it is an affine function of the pixel's place, since both are projective coordinates of one point, so
+/// that differences between neighbours are exact slopes. Differences of linear depth are not.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthPicture<'a> {
     size: UVec2,
@@ -143,12 +143,12 @@ impl<'a> DepthPicture<'a> {
     }
 }
 
-/// View-space point of a place in the picture (texture coordinates 0..=1, y down) with a linear view depth d > 0 in metres:
-/// Giegl, equation 3.1, for right-handed view space that looks along −z.
+/// View-space point of a place in the picture (texture coordinates 0..=1, y down) with a linear view depth d > 0 in
+/// metres: Giegl, equation 3.1, for right-handed view space that looks along −z.
 ///
-/// `scale` = (a_x, a_y) are the first two diagonal elements of `clip_from_view`, `offset` = (b_x, b_y) the first two of its
-/// third column: not zero for off-centre frusta and under jitter. With w_clip = −z the projection is x_ndc = a_x x ÷ d −
-/// b_x, so
+/// `scale` = (a_x, a_y) are the first two diagonal elements of `clip_from_view`, `offset` = (b_x, b_y) the first two of
+/// its third column: not zero for off-centre frusta and under jitter. With w_clip = −z the projection is x_ndc = a_x x
+/// ÷ d − b_x, so
 ///
 /// ```text
 /// x = d (2u − 1 + b_x) ÷ a_x      y = d (1 − 2v + b_y) ÷ a_y      z = −d

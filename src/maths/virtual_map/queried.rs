@@ -1,17 +1,18 @@
 //! [`QueriedMap`]: refine a tile only if refining it changed the picture (Giegl, chapter 4).
 //!
-//! Start with one tile over the whole map. Apply it to the shadow result, count the pixels that it changed, and split it if
-//! there are more than a threshold. What is measured is the effect on the screen, whatever caused it; nothing is carried over
-//! from earlier frames.
+//! Start with one tile over the whole map. Apply it to the shadow result, count the pixels that it changed, and split
+//! it if there are more than a threshold. What is measured is the effect on the screen, whatever caused it; nothing is
+//! carried over from earlier frames.
 //!
 //! # Order
 //!
-//! Level by level, coarse to fine: [`QueriedMap::refine`]. The thesis consumes one finished query at a time; both orders draw
-//! the same tiles, because what a tile changes depends on its parent's result only: siblings own disjoint pixels, and tiles
-//! never write beside themselves. So without jumps the tiles of a larger threshold are a subset of those of a smaller.
+//! Level by level, coarse to fine: [`QueriedMap::refine`]. The thesis consumes one finished query at a time; both
+//! orders draw the same tiles, because what a tile changes depends on its parent's result only: siblings own disjoint
+//! pixels, and tiles never write beside themselves. So without jumps the tiles of a larger threshold are a subset of
+//! those of a smaller.
 //!
-//! A tile that changes nothing ends although a finer one might show a caster that is too thin for both: "`min` = 0 equals the
-//! tiled map" is true to the eye, not to the bit.
+//! A tile that changes nothing ends although a finer one might show a caster that is too thin for both: "`min` = 0
+//! equals the tiled map" is true to the eye, not to the bit.
 //!
 //! # On the GPU
 //!
@@ -20,10 +21,10 @@
 //! * `cull`, one invocation per (caster, tile): indirect draws; zero instances for unused slots.
 //! * raster passes: slot i of the level into a texture of `tile_size`.
 //! * `apply(tiles: storage array<TileUniform>, tile_depth: texture_depth_2d, depth: texture_depth_2d, result:
-//!   texture_storage_2d<r8unorm, read_write>, reports: storage array<TileReport, atomic>)`, 8 × 8, one invocation per pixel of
-//!   the tile's rectangle (`dispatch_indirect`): unproject, skip what [`Tile::contains`] denies, look up, [`changed_result`],
-//!   write; sums of `changed` and `inside` and the rectangle are reduced in workgroup memory, one atomic each per workgroup.
-//!   No copy of the old result is needed: in one pass a pixel has one owner.
+//!   texture_storage_2d<r32float, read_write>, reports: storage array<TileReport, atomic>)`, 8 × 8, one invocation per
+//!   pixel of the tile's rectangle (`dispatch_indirect`): unproject, skip what [`Tile::contains`] denies, look up,
+//!   [`changed_result`], write; sums of `changed` and `inside` and the rectangle are reduced in workgroup memory, one
+//!   atomic each per workgroup. No copy of the old result is needed: in one pass a pixel has one owner.
 //! * `decide(tiles, reports, next_tiles, jumps)`, one invocation per tile of the level: [`QueriedMap::decide`].
 
 use bevy_math::UVec2;
@@ -33,11 +34,11 @@ use super::{picture::PixelRect, tile::Tile};
 /// When a tile is worth refining.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ChangeThreshold {
-    /// More changed pixels than this, for a picture of 1024² pixels; scaled with the picture's area. η_min of the thesis: 300
-    /// for quality, 2500 for speed.
+    /// More changed pixels than this, for a picture of 1024² pixels; scaled with the picture's area. η_min of the
+    /// thesis: 300 for quality, 2500 for speed.
     Pixels(f64),
-    /// A larger share of changed pixels among those inside the tile, 0..=1. The thesis rejected it (section 4.5.1) because
-    /// occlusion queries had to count twice; with counters both numbers come from one pass.
+    /// A larger share of changed pixels among those inside the tile, 0..=1. The thesis rejected it (section 4.5.1)
+    /// because occlusion queries had to count twice; with counters both numbers come from one pass.
     Share(f64),
 }
 
@@ -259,8 +260,8 @@ impl QueriedMap {
         }
     }
 
-    /// Refines level by level. `apply` draws a tile, applies it within its rectangle and reports; it is called in the order of
-    /// the result. The same reports give the same tiles.
+    /// Refines level by level. `apply` draws a tile, applies it within its rectangle and reports; it is called in the
+    /// order of the result. The same reports give the same tiles.
     pub fn refine(&self, picture: UVec2, mut apply: impl FnMut(&QueriedTile) -> TileReport) -> Refinement {
         let picture_pixels = u64::from(picture.x) * u64::from(picture.y);
         let ordinary = |tile: Tile, rect: PixelRect| QueriedTile {

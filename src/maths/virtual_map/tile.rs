@@ -2,8 +2,8 @@
 
 use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2};
 
-/// Texture coordinates 0..=1 of a light map, v down, for a world-space point. `None` behind the projection centre and for
-/// NaN; points beside the map have coordinates outside 0..=1.
+/// Texture coordinates 0..=1 of a light map, v down, for a world-space point. `None` behind the projection centre and
+/// for NaN; points beside the map have coordinates outside 0..=1.
 pub fn map_uv(clip_from_world: &DMat4, point: DVec3) -> Option<DVec2> {
     let clip = *clip_from_world * point.extend(1.0);
     let uv = DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
@@ -26,8 +26,8 @@ impl Tile {
         counts: UVec2::ONE,
     };
 
-    /// The tile of a place in the map: half open, so that each place has one tile; coordinates of exactly 1 belong to the
-    /// last. `None` outside the map, for NaN and for a grid without tiles.
+    /// The tile of a place in the map: half open, so that each place has one tile; coordinates of exactly 1 belong to
+    /// the last. `None` outside the map, for NaN and for a grid without tiles.
     pub fn at(counts: UVec2, map_uv: DVec2) -> Option<Self> {
         let is_inside = map_uv.cmpge(DVec2::ZERO).all() && map_uv.cmple(DVec2::ONE).all();
         (is_inside && counts.min_element() > 0).then(|| Self {
@@ -36,9 +36,9 @@ impl Tile {
         })
     }
 
-    /// Whether a place in the map belongs to this tile and to no other of its grid. A pixel that does not must leave the
-    /// shadow result as it is: writing "lit" there would erase what other tiles have found (Giegl's border of farthest
-    /// depths is right only where results are multiplied).
+    /// Whether a place in the map belongs to this tile and to no other of its grid. A pixel that does not must leave
+    /// the shadow result as it is: writing "lit" there would erase what other tiles have found (Giegl's border of
+    /// farthest depths is right only where results are multiplied).
     pub fn contains(&self, map_uv: DVec2) -> bool {
         Self::at(self.counts, map_uv) == Some(*self)
     }
@@ -79,9 +79,9 @@ impl Tile {
     /// x_t = K (x − c w)      K = n core ÷ size      c_x = (2 column + 1) ÷ n − 1      c_y = 1 − (2 row + 1) ÷ n
     /// ```
     ///
-    /// z and w stay: a tile's depths are the map's. It acts on clip coordinates before the division, so it holds for warped
-    /// maps and for spot lights too. Without a margin K = n; with one the core of the texture shows the tile and the
-    /// margin a little of its neighbours (section 3.5: "overlap θ/2").
+    /// z and w stay: a tile's depths are the map's. It acts on clip coordinates before the division, so it holds for
+    /// warped maps and for spot lights too. Without a margin K = n; with one the core of the texture shows the tile and
+    /// the margin a little of its neighbours (section 3.5: "overlap θ/2").
     pub fn clip_from_map_clip(&self, window: &TileWindow) -> DMat4 {
         let counts = self.counts.as_dvec2();
         let shrink = window.core().as_dvec2() / window.size.as_dvec2();
@@ -98,9 +98,9 @@ impl Tile {
 
     /// The matrix that draws the tile: crop times the map's `clip_from_world`.
     ///
-    /// Round it to single precision at the very end. Vertices then err by some 2⁻²³ R ÷ W of the map, with R the largest world
-    /// coordinate and W the width of the map in metres: 1/64 of a texel of 131 072 for R = W, a quarter for R = 16 W. Where that
-    /// is too much, draw relative to the camera.
+    /// Round it to single precision at the very end. Vertices then err by some 2⁻²³ R ÷ W of the map, with R the
+    /// largest world coordinate and W the width of the map in metres: 1/64 of a texel of 131 072 for R = W, a quarter
+    /// for R = 16 W. Where that is too much, draw relative to the camera.
     pub fn clip_from_world(&self, map_clip_from_world: &DMat4, window: &TileWindow) -> DMat4 {
         self.clip_from_map_clip(window) * *map_clip_from_world
     }
@@ -153,11 +153,12 @@ impl TileWindow {
     }
 }
 
-/// The margin of a filter kernel that is `kernel` texels wide, θ: ⌈θ/2⌉ texels on each side, so that the taps of a kernel
-/// anywhere in the tile lie in the tile's texture (Giegl, section 3.5). At most 64; zero for NaN and negative widths.
+/// The margin of a filter kernel that is `kernel` texels wide, θ: ⌈θ/2⌉ texels on each side, so that the taps of a
+/// kernel anywhere in the tile lie in the tile's texture (Giegl, section 3.5). At most 64; zero for NaN and negative
+/// widths.
 ///
-/// The width is in texels of the tile. A kernel of constant width in the world is 2 times as many texels wide in a tile of
-/// twice the resolution.
+/// The width is in texels of the tile. A kernel of constant width in the world is 2 times as many texels wide in a tile
+/// of twice the resolution.
 pub fn filter_margin(kernel: f64) -> u32 {
     (kernel * 0.5).ceil().clamp(0.0, 64.0) as u32
 }

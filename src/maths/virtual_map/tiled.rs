@@ -36,18 +36,19 @@ impl TiledMap {
         u64::from(self.tiles_per_axis) * u64::from(self.window.core().x)
     }
 
-    /// Texels drawn per frame: they grow with the square of n, while what the eye sees grows with its logarithm (section
-    /// 3.6).
+    /// Texels drawn per frame: they grow with the square of n, while what the eye sees grows with its logarithm
+    /// (section 3.6).
     pub fn texels(&self) -> u64 {
         u64::from(self.tiles_per_axis).pow(2) * self.window.texels()
     }
 
     /// The tiles in which something visible can lie, row by row: those that the outline of H = LVS touches in the map.
     ///
-    /// The light view's projection takes the convex body to a convex outline, so a tile is apart from it exactly if a line
-    /// along the tile's sides or along an edge of the outline separates them; edges of the body that are no edges of its
-    /// outline give lines that separate nothing wrongly. Errs by 10⁻⁶ of the map on the side of drawing. Without a
-    /// visible body there are no tiles. All tiles if a vertex lies behind the projection centre, which no fit leaves there.
+    /// The light view's projection takes the convex body to a convex outline, so a tile is apart from it exactly if a
+    /// line along the tile's sides or along an edge of the outline separates them; edges of the body that are no edges
+    /// of its outline give lines that separate nothing wrongly. Errs by 10⁻⁶ of the map on the side of drawing. Without
+    /// a visible body there are no tiles. All tiles if a vertex lies behind the projection centre, which no fit leaves
+    /// there.
     pub fn tiles_with_receivers(&self, clip_from_world: &DMat4, visible: &Polytope) -> Vec<Tile> {
         let places: Option<Vec<DVec2>> = (visible.vertices().iter())
             .map(|vertex| map_uv(clip_from_world, *vertex))
@@ -73,8 +74,8 @@ impl TiledMap {
             .collect()
     }
 
-    /// Tiles per axis to draw while the camera rests (section 3.7): one map in motion, then 2, 4, 8 … up to n, one step per
-    /// frame. `still_frames` counts the frames since the last change of camera, light or scene; 0 is motion.
+    /// Tiles per axis to draw while the camera rests (section 3.7): one map in motion, then 2, 4, 8 … up to n, one step
+    /// per frame. `still_frames` counts the frames since the last change of camera, light or scene; 0 is motion.
     pub fn progressive_tiles_per_axis(&self, still_frames: u32) -> u32 {
         1_u32
             .checked_shl(still_frames)

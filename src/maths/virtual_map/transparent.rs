@@ -7,12 +7,12 @@ use super::{fitted::FittedPlan, picture::PixelRect};
 pub enum TransparentShadows {
     /// Drawn afterwards, lit: they glow a little in the shade.
     Unshadowed,
-    /// Drawn afterwards with one ordinary map of the whole view. They receive only, so there is no self-shadowing to get wrong,
-    /// and errors fade with their opacity. The default.
+    /// Drawn afterwards with one ordinary map of the whole view. They receive only, so there is no self-shadowing to
+    /// get wrong, and errors fade with their opacity. The default.
     #[default]
     SingleMap,
-    /// The nearest semitransparent surface is a second picture with its own depths and shadow result; both pictures count in the
-    /// needs.
+    /// The nearest semitransparent surface is a second picture with its own depths and shadow result; both pictures
+    /// count in the needs.
     SecondLayer,
     /// Drawn once per tile within the tile's rectangle, while the tile is alive: exact for any number of layers.
     MultiPass,
@@ -55,11 +55,12 @@ impl TransparentShadows {
         }
     }
 
-    /// The tiles while which an object is drawn: those whose rectangle meets its own with [`Self::MultiPass`], none otherwise.
+    /// The tiles while which an object is drawn: those whose rectangle meets its own with [`Self::MultiPass`], none
+    /// otherwise.
     ///
-    /// A tile's rectangle is that of the pixels whose *needs* were collected. Transparent surfaces at other places of the map are
-    /// missed unless their needs are collected too, so multi-pass wants the object's own depths in the needs, or
-    /// [`floor_level`](super::grid::GridOptions::floor_level).
+    /// A tile's rectangle is that of the pixels whose *needs* were collected. Transparent surfaces at other places of
+    /// the map are missed unless their needs are collected too, so multi-pass wants the object's own depths in the
+    /// needs, or [`floor_level`](super::grid::GridOptions::floor_level).
     pub fn passes(self, plan: &FittedPlan, object: PixelRect) -> impl Iterator<Item = usize> + '_ {
         let meets = move |rect: PixelRect| !rect.intersection(object).is_empty();
         (plan.tiles.iter().enumerate())
@@ -83,11 +84,12 @@ pub enum ShadowSource {
     LiveTile,
 }
 
-/// Chooses the source for a fragment with a reverse depth, in front of the opaque surface's and against that of the nearest
-/// semitransparent one (0: none). Depths that agree within `tolerance`, relative, are the same surface; NaN agrees with nothing.
+/// Chooses the source for a fragment with a reverse depth, in front of the opaque surface's and against that of the
+/// nearest semitransparent one (0: none). Depths that agree within `tolerance`, relative, are the same surface; NaN
+/// agrees with nothing.
 ///
-/// A fragment on the opaque surface itself (a decal, a fading level of detail) has the opaque result, whatever the strategy. Under
-/// the second layer, fragments behind the nearest one fall back to the single map.
+/// A fragment on the opaque surface itself (a decal, a fading level of detail) has the opaque result, whatever the
+/// strategy. Under the second layer, fragments behind the nearest one fall back to the single map.
 pub fn shadow_source(
     strategy: TransparentShadows,
     depth: f64,

@@ -38,8 +38,8 @@ fn map(n: u32) -> FittedMap {
     }
 }
 
-/// Oracle 20, on 50 random grids and for ξ: leaves are disjoint and over every occupied cell once; each has what its cells
-/// need, or is as fine as allowed on that axis; no leaf is empty.
+/// Oracle 20, on 50 random grids and for ξ: leaves are disjoint and over every occupied cell once; each has what its
+/// cells need, or is as fine as allowed on that axis; no leaf is empty.
 #[test]
 fn leaves_cover_occupied_cells_once() {
     let mut numbers = Numbers(20);
@@ -78,8 +78,8 @@ fn leaves_cover_occupied_cells_once() {
     }
 }
 
-/// Leaves are no finer than their need: the largest need in a leaf is met without a level to spare, unless the smallest side
-/// is reached or the axis had to be split with its neighbour.
+/// Leaves are no finer than their need: the largest need in a leaf is met without a level to spare, unless the smallest
+/// side is reached or the axis had to be split with its neighbour.
 #[test]
 fn leaves_are_as_small_as_their_need() {
     let mut numbers = Numbers(4);

@@ -90,8 +90,8 @@ fn cells_collect_their_pixels() {
     }
 }
 
-/// Reconstruction 14: rectangles hold the whole of the pixels that a texel stands for, at ratios that are no whole numbers
-/// too; the guard is on top, and ends at the picture.
+/// Reconstruction 14: rectangles hold the whole of the pixels that a texel stands for, at ratios that are no whole
+/// numbers too; the guard is on top, and ends at the picture.
 #[test]
 fn rectangles_hold_whole_footprints() {
     let mut map = random_map(3, 1);

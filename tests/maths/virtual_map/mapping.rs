@@ -83,8 +83,8 @@ fn projection_aliasing_is_one_axis() {
     }
 }
 
-/// Row F5 and reconstruction 8, by the listing: beside a silhouette (10 m before 50 m) the smaller difference is right, the
-/// larger one is 1.3 levels low; with light across the view 12 levels and more.
+/// Row F5 and reconstruction 8, by the listing: beside a silhouette (10 m before 50 m) the smaller difference is right,
+/// the larger one is 1.3 levels low; with light across the view 12 levels and more.
 #[test]
 fn picks_at_a_silhouette() {
     let step = |column| if column < SIDE / 2 { 10.0 } else { 50.0 };
@@ -143,8 +143,8 @@ fn ground(elevation: f64, azimuth: f64) -> (ViewVolume, DMat4, HalfSpace) {
     )
 }
 
-/// The listing on the ground plane, light along an axis of the map: within 0.03 levels of the exact box of a pixel above
-/// (smaller), within 0.04 below (larger). Turned by 30° it is up to a level high; it asks for half a diamond.
+/// The listing on the ground plane, light along an axis of the map: within 0.03 levels of the exact box of a pixel
+/// above (smaller), within 0.04 below (larger). Turned by 30° it is up to a level high; it asks for half a diamond.
 #[test]
 fn the_listing_on_the_ground() {
     for elevation in [20.0, 45.0, 80.0] {
@@ -296,7 +296,8 @@ fn stored_bytes_hold_needs_up_to_127() {
     assert_eq!(stored_byte(129), 128);
 }
 
-/// Oracle 18: rounding halves up gives the rounded log2 of the need of a picture pixel; halves to even would be one less.
+/// Oracle 18: rounding halves up gives the rounded log2 of the need of a picture pixel; halves to even would be one
+/// less.
 #[test]
 fn the_rounding_pays_the_level_back() {
     for level in [16.0, 16.26, 16.49, 16.58, 16.99] {

@@ -3,11 +3,11 @@
 mod feedback;
 mod fitted;
 mod grid;
+mod limits;
 mod mapping;
 mod memory;
 mod needs;
 mod queried;
-
 mod scene;
 mod tile;
 mod transparent;

@@ -65,8 +65,8 @@ fn warp(choice: u8) -> Warp {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(120))]
 
-    /// At most 1 texel ÷ pixel at ξ = 0, 1/8 at ξ = −3, and as said for every ξ, on every axis and in area, for all pixels that
-    /// are not capped: any camera, light, warp and margin. With `Extent` in every direction.
+    /// At most 1 texel ÷ pixel at ξ = 0, 1/8 at ξ = −3, and as said for every ξ, on every axis and in area, for all
+    /// pixels that are not capped: any camera, light, warp and margin. With `Extent` in every direction.
     #[test]
     fn every_uncapped_pixel_gets_its_texels(
         (scene, view) in seen(), direction in direction(), along in 0_u8..8, choice in 0_u8..4,
@@ -188,8 +188,8 @@ fn nearly_all_pixels_of_a_scene() {
     }
 }
 
-/// Row F3 and reconstruction 14: with a smaller mapping map, guarded and spread, nearly every pixel still has its tile and lies
-/// in its rectangle; without both there are holes.
+/// Row F3 and reconstruction 14: with a smaller mapping map, guarded and spread, nearly every pixel still has its tile
+/// and lies in its rectangle; without both there are holes.
 #[test]
 fn smaller_mapping_maps_leave_few_holes() {
     let (view, scene, picture) = meadow(UVec2::new(320, 180));

@@ -11,7 +11,7 @@ use umbrage::maths::virtual_map::{
     tile::Tile,
 };
 
-const PICTURE: UVec2 = UVec2::splat(96);
+pub(super) const PICTURE: UVec2 = UVec2::splat(96);
 
 /// Where a pixel of a ground plane seen in perspective looks into the map; `None` is sky.
 fn map_place(pixel: UVec2) -> Option<DVec2> {
@@ -67,7 +67,7 @@ impl Result {
     }
 }
 
-fn small() -> QueriedMap {
+pub(super) fn small() -> QueriedMap {
     QueriedMap {
         threshold: ChangeThreshold::Pixels(0.0),
         tile_size: 16,
@@ -89,7 +89,7 @@ fn refined(map: &QueriedMap) -> (Refinement, Result) {
     (refinement, result)
 }
 
-fn report(changed: u32) -> TileReport {
+pub(super) fn report(changed: u32) -> TileReport {
     TileReport {
         changed,
         inside: 1 << 20,
@@ -97,14 +97,14 @@ fn report(changed: u32) -> TileReport {
     }
 }
 
-fn square(n: u32) -> Tile {
+pub(super) fn square(n: u32) -> Tile {
     Tile {
         place: UVec2::ZERO,
         counts: UVec2::splat(n),
     }
 }
 
-const MEGAPIXEL: u64 = 1 << 20;
+pub(super) const MEGAPIXEL: u64 = 1 << 20;
 
 /// Oracle 7: 1 + 4 k tiles and the jumps, no tile beyond the limit, whatever is switched on.
 #[test]
@@ -198,8 +198,8 @@ fn counts_are_differences() {
     assert_eq!(all[0][0].report.changed as usize, dark.count());
 }
 
-/// Oracle 10: threshold 0 against the tiled map of the same limit: pixels differ only where a tile ended early because it
-/// had changed nothing.
+/// Oracle 10: threshold 0 against the tiled map of the same limit: pixels differ only where a tile ended early because
+/// it had changed nothing.
 #[test]
 fn threshold_zero_is_the_tiled_map_where_tiles_did_not_end() {
     let (refinement, result) = refined(&small());
@@ -375,130 +375,9 @@ fn costs() {
     );
 }
 
-#[test]
-fn binary_splits_alternate() {
-    let map = QueriedMap {
-        splitting: Splitting::Binary,
-        max_tiles_per_axis: 4,
-        ..small()
-    };
-    let refinement = map.refine(PICTURE, |_| report(1));
-    let counts: Vec<UVec2> = refinement.tiles.iter().map(|tile| tile.tile.counts).collect();
-    assert_eq!(counts.len(), 1 + 2 + 4 + 8 + 16);
-    assert_eq!(
-        [counts[1], counts[3], counts[7], counts[15]],
-        [(2, 1), (2, 2), (4, 2), (4, 4)].map(UVec2::from)
-    );
-    assert_eq!(
-        QueriedMap {
-            splitting: Splitting::Grid3,
-            ..map
-        }
-        .parts(&square(3)),
-        None,
-        "9 are more than 4"
-    );
-}
-
-#[test]
-fn the_relative_threshold_and_the_scale_of_the_absolute() {
-    let share = QueriedMap {
-        threshold: ChangeThreshold::Share(0.01),
-        opportunity_jump: None,
-        maximum_jump: false,
-        ..small()
-    };
-    let with = |changed, inside| TileReport {
-        changed,
-        inside,
-        ..report(0)
-    };
-    assert_eq!(share.decide(&square(4), &with(2, 100), MEGAPIXEL), Decision::Split);
-    assert_eq!(share.decide(&square(4), &with(1, 100), MEGAPIXEL), Decision::Final);
-    assert_eq!(share.decide(&square(4), &with(0, 0), MEGAPIXEL), Decision::Final);
-    let absolute = QueriedMap {
-        threshold: ChangeThreshold::Pixels(300.0),
-        ..share
-    };
-    assert_eq!(absolute.decide(&square(4), &report(301), MEGAPIXEL), Decision::Split);
-    assert_eq!(
-        absolute.decide(&square(4), &report(301), 2 * MEGAPIXEL),
-        Decision::Final
-    );
-    assert_eq!(absolute.decide(&square(4), &report(76), MEGAPIXEL / 4), Decision::Split);
-    let nan = QueriedMap {
-        threshold: ChangeThreshold::Pixels(f64::NAN),
-        ..share
-    };
-    assert_eq!(nan.decide(&square(4), &report(u32::MAX), MEGAPIXEL), Decision::Final);
-}
-
-#[test]
-fn the_first_split_can_be_forced() {
-    let map = QueriedMap {
-        force_first_split: true,
-        ..small()
-    };
-    let refinement = map.refine(PICTURE, |_| report(0));
-    assert_eq!((refinement.tiles.len(), refinement.splits), (5, 1));
-    // The practical lower bound of section 4.5: 5 + 1.
-    let jumping = QueriedMap {
-        maximum_jump: true,
-        max_tiles_per_axis: 4,
-        ..map
-    };
-    let one = jumping.refine(PICTURE, |draw| report(u32::from(draw.tile == square(2))));
-    assert_eq!((one.tiles.len(), one.jumps), (6, 1));
-}
-
-#[test]
-fn full_levels_keep_the_splits_that_change_most() {
-    let map = QueriedMap {
-        max_tiles_per_level: 8,
-        ..small()
-    };
-    let refinement = map.refine(PICTURE, |draw| report(1 + draw.tile.place.x + 10 * draw.tile.place.y));
-    for n in [2, 4, 8, 16, 32] {
-        assert!(refinement.tiles.iter().filter(|tile| tile.tile.counts.x == n).count() <= 8);
-    }
-    let split = refinement
-        .tiles
-        .iter()
-        .filter(|tile| tile.tile.counts.x == 2 && tile.decision == Some(Decision::Split));
-    assert_eq!(
-        split.map(|tile| tile.tile.place).collect::<Vec<_>>(),
-        [UVec2::new(0, 1), UVec2::ONE]
-    );
-    let dropped = refinement
-        .tiles
-        .iter()
-        .filter(|tile| tile.decision == Some(Decision::Dropped));
-    assert_eq!(dropped.count(), refinement.dropped);
-    assert!(refinement.dropped >= 2);
-    assert_eq!(
-        QueriedMap {
-            max_tiles_per_level: 0,
-            ..small()
-        }
-        .refine(PICTURE, |_| report(1))
-        .tiles
-        .len(),
-        1
-    );
-}
-
-#[test]
-fn unchanged_results_are_not_written() {
-    assert_eq!(changed_result(1.0, 0.0, 0.0), Some(0.0));
-    assert_eq!(changed_result(0.0, 1.0, 0.0), Some(1.0));
-    assert_eq!(changed_result(0.5, 0.5, 0.0), None);
-    assert_eq!(changed_result(0.5, 0.503, 1.0 / 255.0), None);
-    assert_eq!(changed_result(0.5, 0.505, 1.0 / 255.0), Some(0.505));
-    assert_eq!(changed_result(0.5, f32::NAN, 0.0), None);
-}
-
 proptest! {
-    /// Finer tiles never come before coarser ones over the same place, jumps last; the same reports give the same tiles.
+    /// Finer tiles never come before coarser ones over the same place, jumps last; the same reports give the same
+    /// tiles.
     #[test]
     fn order_is_coarse_to_fine(seed in any::<u32>(), limit in 1_usize..40, jump in any::<bool>()) {
         let map = QueriedMap { max_tiles_per_level: limit * 4, maximum_jump: jump, ..small() };

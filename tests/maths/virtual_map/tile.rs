@@ -115,8 +115,8 @@ fn tiles_fill_the_map() {
     assert!(!left.covers(&right) && left.covers(&left));
 }
 
-/// Oracles 4 and 5, in single precision as the GPU has it: 4 × 4 tiles of 512 texels against one map of 2048, a plane of
-/// casters at the centres of texels, for warped and unwarped light views.
+/// Oracles 4 and 5, in single precision as the GPU has it: 4 × 4 tiles of 512 texels against one map of 2048, a plane
+/// of casters at the centres of texels, for warped and unwarped light views.
 #[test]
 fn tiles_have_the_depths_of_one_large_map() {
     let view = papers_camera(0.5, 60.0);
