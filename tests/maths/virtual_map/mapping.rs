@@ -407,6 +407,29 @@ fn mapping_maps() {
     assert!(map.outside > 0 && map.outside + map.valid_texels() == with_geometry);
 }
 
+/// Depth is affine over a plane, so all patches of a plane have one slope: at the borders of the picture too.
+#[test]
+fn slopes_at_the_border() {
+    let tilted = HalfSpace::through(DVec3::NEG_Z * 10.0, DVec3::new(0.4, 0.3, 1.0).normalize());
+    let scene = Bounds::new(DVec3::splat(-100.0), DVec3::splat(100.0));
+    let picture = Picture::of_planes(&papers_camera(0.5, 200.0), UVec2::splat(64), &[tilted], &scene);
+    let light = light(100.0, DVec3::X, DVec3::Y);
+    let options = MappingOptions::default();
+    let slopes = |x, y| {
+        pixel_patch(&picture.depths(), &light, UVec2::new(x, y), &options)
+            .unwrap()
+            .slopes
+    };
+    let inner = slopes(30, 30);
+    for (x, y) in [(0, 30), (63, 30), (30, 0), (30, 63), (0, 0), (63, 63)] {
+        assert!(
+            slopes(x, y).distance(inner) < 1.0e-3 * inner.length(),
+            "{x} {y}: {}",
+            slopes(x, y)
+        );
+    }
+}
+
 /// Surfaces that face away from the light can be left out; the sign says which they are.
 #[test]
 fn facing_away() {

@@ -312,6 +312,9 @@ proptest! {
             let is_drawn = drawn.contains(&tile);
             let left = receivers_in_map(&visible, &tile.clip_from_world(&light.clip_from_world, &map.window));
             prop_assert!(is_drawn || left.volume() < 1.0e-6, "{tile:?} is skipped with {left:?}");
+            // Half a percent wider, for rounding.
+            let wide = tile.clip_from_world(&light.clip_from_world, &TileWindow::of_size(UVec2::splat(400), 1));
+            prop_assert!(!is_drawn || !receivers_in_map(&visible, &wide).is_empty(), "{tile:?} is drawn for nothing");
         }
     }
 }
