@@ -13,7 +13,11 @@ pub fn view_plane_point(camera: &Camera, segment: &Segment) -> DVec3 {
     let frame = camera.frame();
     let view_plane = frame.origin.extend(1.0).cross(frame.film().extend(0.0));
     let line = segment.line().normalize_or_zero();
-    line.cross(view_plane.normalize_or_zero()).normalize_or_zero()
+    let point = line.cross(view_plane.normalize_or_zero());
+    if point.length() < IN_LINE {
+        return DVec3::ZERO;
+    }
+    point.normalize_or_zero()
 }
 
 /// The best film for one plane (Chong, theorem 1 and corollary 2): that whose own view plane goes through

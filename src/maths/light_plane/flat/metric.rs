@@ -134,16 +134,17 @@ pub fn smallest_mean_badness(pixels: usize, texels: f64) -> f64 {
 /// Chong 3). 0..=1.
 ///
 /// # Errors
-/// [`Degenerate::NotFinite`] for NaN.
+/// [`Degenerate::NotFinite`] for NaN or an infinite tilt.
 pub fn lost_share(samples: &[Sample], tilt: Tilt) -> Result<f64, Degenerate> {
+    let has_nan = |sample: &Sample| sample.place.is_nan() || sample.badness.is_nan();
+    if samples.iter().any(has_nan) || !tilt.parameter.is_finite() {
+        return Err(Degenerate::NotFinite);
+    }
     let spans = samples.iter().map(|sample| {
         let (low, high) = pixel_span(*sample);
         (tilt.place(low), tilt.place(high))
     });
     let mut spans: Vec<(f64, f64)> = spans.collect();
-    if spans.iter().any(|(low, high)| low.is_nan() || high.is_nan()) {
-        return Err(Degenerate::NotFinite);
-    }
     spans.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut used, mut end) = (0.0, -1.0_f64);
     for (low, high) in spans {

@@ -162,7 +162,8 @@ pub fn merged(slices: &[Slice]) -> Option<Slice> {
 /// Merges neighbours one by one, always the two that cost least, until at most `frusta` are left; then on as long as one
 /// frustum less costs at most a share `cheap` more (0: only if it costs nothing; 0.03 is a good trade for a pass over the casters).
 ///
-/// Greedy: in a test scene within 9 % of [`exact_partition`].
+/// Greedy: over 32 slices of a wavy function [`exact_partition`] is 4 % better for two frusta and L1, 23 % for L2, and
+/// hardly for more.
 ///
 /// # Errors
 /// [`Degenerate::NothingVisible`] without slices, [`Degenerate::NotFinite`].
