@@ -38,7 +38,7 @@
 //! # Glossary
 //!
 //! Papers: S = Stingl 2011 (*Robust Hard Shadows*), L = Lloyd et al. 2006 (*Warping and Partitioning for Low Error
-//! Shadow Maps*).
+//! Shadow Maps*), C = Chong 2003 (*Real-Time Perspective Optimal Shadow Maps*).
 //!
 //! | paper | here | where |
 //! |---|---|---|
@@ -92,6 +92,14 @@
 //! | mask | [`selection::selection_mask`] | L 6.3 |
 //! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
 //! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
+//! | lexel; l | texel; `place`: −1..=1 on a film | C 1.3, 2.1 |
+//! | Ω | pixels that see a surface: [`light_plane::flat::Camera::see`] | C 2.1 |
+//! | d = \|dp/dl\| (printed dp/dt, too) | [`light_plane::flat::Sample::badness`] | C 2.1.1 |
+//! | θ_t, θ_b; T, B | [`light_plane::flat::Hull`]: their tangents | C 3.1 |
+//! | x, dl/dl'; k, s = artanh k | turn; [`light_plane::flat::Tilt`] | C 3.1; k and s are ours |
+//! | f, s_p, d_p, d_l, θ_p, θ_l | [`light_plane::flat::PixelFootprint`] | C 1.3.4 |
+//! | q (single plane) | [`light_plane::flat::construction::view_plane_point`] | C 2.2.1 |
+//! | e_i, x_i, L | [`light_plane::flat::split::Frustum::error`], texels: [`light_plane::flat::allocation`] | C 3.2 |
 
 pub mod analysis;
 pub mod bias;
