@@ -153,3 +153,19 @@ fn parallel_light_has_perspective_shadow_maps() {
         Err(Degenerate::NothingVisible)
     );
 }
+
+/// Section 2.2.3: light from inside of the picture, with surfaces all around it in the cube, would need the camera pulled
+/// back. Half of a circle of surfaces still has a map.
+#[test]
+fn light_inside_the_picture_is_refused() {
+    let mut scene = single_plane(1.0, 20.0, lamp(1.0, -4.0));
+    scene.surfaces.push(surface([-1.0, -8.1], [3.0, -8.1]));
+    scene.surfaces.push(surface([2.0, -3.9], [2.0, -8.0]));
+    scene.surfaces.push(surface([1.2, -2.1], [1.9, -3.0]));
+    let hits = scene.camera.see(&scene.surfaces);
+    let refused = PostPerspective::new(&scene.camera, scene.light, &hits).map(|_| ());
+    assert_eq!(refused, Err(Degenerate::TooWide));
+    scene.surfaces = vec![surface([-1.0, -8.1], [3.0, -8.1])];
+    let hits = scene.camera.see(&scene.surfaces);
+    assert!(PostPerspective::new(&scene.camera, scene.light, &hits).is_ok());
+}
