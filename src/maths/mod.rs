@@ -38,7 +38,8 @@
 //! # Glossary
 //!
 //! Papers: S = Stingl 2011 (*Robust Hard Shadows*), L = Lloyd et al. 2006 (*Warping and Partitioning for Low Error
-//! Shadow Maps*), G = Giegl 2007 (*Practical CG Research, Game Development and the European Union GameTools Project*).
+//! Shadow Maps*), G = Giegl 2007 (*Practical CG Research, Game Development and the European Union GameTools Project*),
+//! C = Chong 2003 (*Real-Time Perspective Optimal Shadow Maps*).
 //!
 //! | paper | here | where |
 //! |---|---|---|
@@ -103,6 +104,14 @@
 //! | η_0, η_1 | [`virtual_map::grid::Histogram`]: all levels | G 5.7 |
 //! | ξ (quality), p | `quality_drop`, `splits` of a node: [`virtual_map::fitted::FittedMap`] | G 5.11, 5.9 |
 //! | ESDB, SRT | [`virtual_map::picture::DepthPicture`]; the shadow result | G 3.3.3, 3.4 |
+//! | lexel; l | texel; `place`: −1..=1 on a film | C 1.3, 2.1 |
+//! | Ω | pixels that see a surface: [`light_plane::flat::Camera::see`] | C 2.1 |
+//! | d = \|dp/dl\| (printed dp/dt, too) | [`light_plane::flat::Sample::badness`] | C 2.1.1 |
+//! | θ_t, θ_b; T, B | [`light_plane::flat::Hull`]: their tangents | C 3.1 |
+//! | x, dl/dl'; k, s = artanh k | turn; [`light_plane::flat::Tilt`] | C 3.1; k and s are ours |
+//! | f, s_p, d_p, d_l, θ_p, θ_l | [`light_plane::flat::PixelFootprint`] | C 1.3.4 |
+//! | q (single plane) | [`light_plane::flat::construction::view_plane_point`] | C 2.2.1 |
+//! | e_i, x_i, L | [`light_plane::flat::split::Frustum::error`], texels: [`light_plane::flat::allocation`] | C 3.2 |
 
 pub mod analysis;
 pub mod bias;
@@ -119,6 +128,7 @@ pub mod footprint;
 mod hull;
 pub mod kernel;
 pub mod light;
+pub mod light_plane;
 pub mod near_plane;
 pub mod polytope;
 pub mod selection;

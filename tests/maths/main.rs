@@ -9,6 +9,7 @@ mod eye_blur;
 mod face;
 mod filter;
 mod fit;
+mod flat;
 mod footprint;
 mod golden;
 mod kernel;
