@@ -108,6 +108,7 @@ pub mod footprint;
 mod hull;
 pub mod kernel;
 pub mod light;
+pub mod light_plane;
 pub mod near_plane;
 pub mod polytope;
 pub mod selection;
