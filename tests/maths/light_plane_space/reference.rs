@@ -95,7 +95,10 @@ fn small_views_lose_little() {
             let error = judges[index].film_at(film.bend).expect("valid").error;
             let loss = 100.0 * (error / best[index] - 1.0);
             let expected = losses[index];
-            assert!((loss - expected).abs() < 0.03 * expected + 0.002, "{samples}: {loss}, not {expected}");
+            assert!(
+                (loss - expected).abs() < 0.04 * expected + 0.002,
+                "{samples}: {loss}, not {expected}"
+            );
         }
     }
 }
