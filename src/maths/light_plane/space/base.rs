@@ -45,6 +45,9 @@ pub struct BaseFilm {
     scale: f64,
 }
 
+/// Height of the light over a plane, relative to the numbers that it is computed from, below which it grazes the plane.
+const LEAST_HEIGHT: f64 = 1.0e-9;
+
 impl BaseFilm {
     /// The base film of the sun over the receivers.
     pub fn of_sun(axes: LightAxes, receivers: &[DVec3]) -> Result<Self, FilmError> {
@@ -201,8 +204,12 @@ impl BaseFilm {
     /// film is not valid in the middle of the receivers, as it may be for planes that do not fill them.
     pub fn bend_of_plane(&self, camera: DVec4, plane: DVec4) -> Option<DVec2> {
         let light = self.light();
-        let share = camera.dot(light) / plane.dot(light);
-        self.bend_of(camera - plane * share)
+        let height = plane.dot(light);
+        let largest = plane.truncate().length() * light.truncate().length() + (plane.w * light.w).abs();
+        if !(height.abs() > LEAST_HEIGHT * largest) {
+            return None;
+        }
+        self.bend_of(camera - plane * (camera.dot(light) / height))
     }
 }
 

@@ -66,6 +66,7 @@
 //! seen by one pixel. One plane alone reaches that with the bend of [`BaseFilm::bend_of_plane`].
 
 mod base;
+mod cut;
 mod damping;
 mod fit;
 mod frame;

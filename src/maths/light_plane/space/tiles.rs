@@ -27,14 +27,14 @@ impl Default for MergeLimits {
 }
 
 /// First tile and the one beyond the last, along both axes.
-type TileRect = [USizeVec2; 2];
+pub(super) type TileRect = [USizeVec2; 2];
 
 /// Samples sorted into a grid of tiles over the base film, −1..1 along both axes; tiles at the border have no end.
 ///
 /// k means the same in every tile, so that their sums need no rescaling: unlike the sub-frusta of flatland.
 #[derive(Clone, Debug)]
 pub struct FilmTiles {
-    size: USizeVec2,
+    pub(super) size: USizeVec2,
     bins: Vec<FilmBin>,
 }
 
@@ -62,7 +62,7 @@ impl FilmTiles {
         for row in first.y..=last.y {
             for column in first.x..=last.x {
                 let tile = USizeVec2::new(column, row);
-                let part = self.cut(&sample.corners, tile);
+                let part = self.part_inside(&sample.corners, tile);
                 let share = doubled_area(&part) / whole;
                 if share > 0.0 {
                     self.bin(tile).add(sample, share, &part, sample.depths);
@@ -76,7 +76,7 @@ impl FilmTiles {
     }
 
     /// The part of a convex polygon that lies in a tile.
-    fn cut(&self, polygon: &[DVec2], tile: USizeVec2) -> Vec<DVec2> {
+    fn part_inside(&self, polygon: &[DVec2], tile: USizeVec2) -> Vec<DVec2> {
         let border = |index: USizeVec2| index.as_dvec2() / self.size.as_dvec2() * 2.0 - 1.0;
         let (low, high) = (border(tile), border(tile + 1));
         let mut part = polygon.to_vec();
@@ -91,7 +91,7 @@ impl FilmTiles {
         part
     }
 
-    fn gathered(&self, [first, end]: TileRect) -> FilmBin {
+    pub(super) fn gathered(&self, [first, end]: TileRect) -> FilmBin {
         let mut gathered = FilmBin::default();
         for row in first.y..end.y {
             for bin in &self.bins[row * self.size.x + first.x..row * self.size.x + end.x] {
@@ -101,7 +101,8 @@ impl FilmTiles {
         gathered
     }
 
-    /// Merges tiles until the limits hold, and solves for the film of each rectangle.
+    /// Merges tiles until the limits hold, and solves for the film of each rectangle. [`FilmTiles::cut`] is better and
+    /// slower.
     ///
     /// Greedy (Chong, section 3.2, Algorithm 2, with the data gathered anew for every candidate and every decision made by
     /// the candidate's own film; the printed listing reuses both): of all pairs of neighbours the one is merged after which
@@ -117,10 +118,7 @@ impl FilmTiles {
         let mut need = |rect: TileRect| *known.entry(rect).or_insert_with(|| self.gathered(rect).need(objective));
         let mut rects: Vec<TileRect> = (0..self.bins.len())
             .filter(|index| !self.bins[*index].is_empty())
-            .map(|index| {
-                let tile = USizeVec2::new(index % self.size.x, index / self.size.x);
-                [tile, tile + 1]
-            })
+            .map(|index| [self.tile(index), self.tile(index) + 1])
             .collect();
         if rects.is_empty() {
             return Err(FilmError::NothingVisible);
@@ -144,21 +142,30 @@ impl FilmTiles {
             rects.retain(|other| !is_inside(other, &rect));
             rects.push(rect);
         }
+        self.partitioned(rects, objective)
+    }
+
+    /// The films of rectangles of tiles, in the order of their first tiles.
+    pub(super) fn partitioned(
+        &self,
+        mut rects: Vec<TileRect>,
+        objective: FilmObjective,
+    ) -> Result<(FilmPartition, TileOwners), FilmError> {
         rects.sort_by_key(|[first, _]| (first.y, first.x));
         let frusta = rects
             .iter()
             .map(|rect| FilmFrustum::of_bin(&self.gathered(*rect), objective, &[]))
             .collect::<Result<_, _>>()?;
+        let owner = |tile| rects.iter().position(|rect| is_inside(&[tile, tile + 1], rect));
         let owners = TileOwners {
             size: self.size,
-            owners: (0..self.bins.len())
-                .map(|index| {
-                    let tile = USizeVec2::new(index % self.size.x, index / self.size.x);
-                    rects.iter().position(|rect| is_inside(&[tile, tile + 1], rect))
-                })
-                .collect(),
+            owners: (0..self.bins.len()).map(|index| owner(self.tile(index))).collect(),
         };
         Ok((FilmPartition { frusta }, owners))
+    }
+
+    fn tile(&self, index: usize) -> USizeVec2 {
+        USizeVec2::new(index % self.size.x, index / self.size.x)
     }
 }
 
