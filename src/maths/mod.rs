@@ -38,7 +38,7 @@
 //! # Glossary
 //!
 //! Papers: S = Stingl 2011 (*Robust Hard Shadows*), L = Lloyd et al. 2006 (*Warping and Partitioning for Low Error
-//! Shadow Maps*).
+//! Shadow Maps*), C = Chong 2003 (*Real-Time Perspective Optimal Shadow Maps*).
 //!
 //! | paper | here | where |
 //! |---|---|---|
@@ -92,6 +92,13 @@
 //! | mask | [`selection::selection_mask`] | L 6.3 |
 //! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
 //! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
+//! | film (near) plane, P_t M_t⁻¹ | [`light_plane::space::Film`] over a [`light_plane::space::BaseFilm`] | C 1.4, A.2 |
+//! | |dp/dl|, x_u² + y_u² + x_v² + y_v² | [`light_plane::space::FilmMetric`] | C 2.1.1, 4.2.1 |
+//! | Ω | [`light_plane::space::FilmSample`], summed in [`light_plane::space::FilmMoments`] | C 2.1 |
+//! | k | `bend`: w = 1 + k · u | beyond C, for its angle x of the film |
+//! | E | `sides` of [`light_plane::space::FilmFrame`] | beyond C, for its extents of the film |
+//! | e_i, x_i | `error` of a film; [`light_plane::space::FilmPartition::shares`] | C 3.2 |
+//! | `LIGHT_FRUSTA_BUDGET` | [`light_plane::space::MergeLimits`] | C 3.2, Algorithm 2 |
 
 pub mod analysis;
 pub mod bias;

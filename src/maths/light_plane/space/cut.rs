@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bevy_math::USizeVec2;
 
-use super::{FilmError, FilmObjective, FilmPartition, FilmTiles, MergeLimits, TileOwners, tiles::TileRect};
+use super::{FilmBin, FilmError, FilmObjective, FilmPartition, FilmTiles, MergeLimits, TileOwners, tiles::TileRect};
 
 /// For one rectangle and a number of films: the least Σ √e, and the first part of the cut with its films.
 #[derive(Clone, Copy)]
@@ -13,8 +13,13 @@ struct Cut {
     first: Option<(TileRect, usize)>,
 }
 
-/// Known cuts of a rectangle, by number of films from 0.
-type Cuts = HashMap<TileRect, Vec<Cut>>;
+/// A rectangle of tiles: what is in it, and its cuts by number of films from 0.
+struct CutRect {
+    bin: FilmBin,
+    cuts: Vec<Cut>,
+}
+
+type Cuts = HashMap<TileRect, CutRect>;
 
 impl FilmTiles {
     /// Divides the tiles by cuts from side to side, each part again, into the rectangles of least (Σ √e)² for at most as many
@@ -35,7 +40,7 @@ impl FilmTiles {
         let most = limits.frusta.max(1);
         let mut known = Cuts::new();
         self.find_cuts(whole, most, objective, &mut known);
-        let total = |films: usize| known[&whole][films].sum.powi(2);
+        let total = |films: usize| known[&whole].cuts[films].sum.powi(2);
         let mut films = 1;
         for more in 2..=most {
             if total(more) < total(films) * (1.0 - limits.pass_cost).powi((more - films) as i32) {
@@ -45,7 +50,7 @@ impl FilmTiles {
         let mut rects = Vec::with_capacity(films);
         let mut left = vec![(whole, films)];
         while let Some((rect, films)) = left.pop() {
-            match known[&rect][films].first {
+            match known[&rect].cuts[films].first {
                 Some((first, share)) => left.extend([(first, share), (rest(rect, first), films - share)]),
                 None if films > 0 => rects.push(rect),
                 None => {}
@@ -58,16 +63,9 @@ impl FilmTiles {
         if known.contains_key(&rect) {
             return;
         }
-        let bin = self.gathered(rect);
         let uncut = |sum| Cut { sum, first: None };
-        let mut best = vec![uncut(f64::INFINITY); most + 1];
-        if bin.is_empty() {
-            best.fill(uncut(f64::INFINITY));
-            best[0] = uncut(0.0);
-            known.insert(rect, best);
-            return;
-        }
-        best[1] = uncut(bin.need(objective));
+        let mut cuts = vec![uncut(f64::INFINITY); most + 1];
+        let mut bin = None;
         for axis in 0..2 {
             for border in rect[0][axis] + 1..rect[1][axis] {
                 let mut first = rect;
@@ -75,20 +73,34 @@ impl FilmTiles {
                 let second = rest(rect, first);
                 self.find_cuts(first, most, objective, known);
                 self.find_cuts(second, most, objective, known);
-                for films in 1..=most {
+                let parts = [&known[&first], &known[&second]];
+                bin.get_or_insert_with(|| {
+                    let mut bin = parts[0].bin.clone();
+                    bin.merge(&parts[1].bin);
+                    bin
+                });
+                for films in 0..=most {
                     for share in 0..=films {
-                        let sum = known[&first][share].sum + known[&second][films - share].sum;
-                        if sum < best[films].sum {
-                            best[films] = Cut {
-                                sum,
-                                first: Some((first, share)),
-                            };
+                        let sum = parts[0].cuts[share].sum + parts[1].cuts[films - share].sum;
+                        if sum < cuts[films].sum {
+                            let first = Some((first, share));
+                            cuts[films] = Cut { sum, first };
                         }
                     }
                 }
             }
         }
-        known.insert(rect, best);
+        let bin = bin.unwrap_or_else(|| self.gathered(rect));
+        if bin.is_empty() {
+            cuts.fill(uncut(f64::INFINITY));
+            cuts[0] = uncut(0.0);
+        } else {
+            let whole = bin.need(objective);
+            if whole <= cuts[1].sum {
+                cuts[1] = uncut(whole);
+            }
+        }
+        known.insert(rect, CutRect { bin, cuts });
     }
 }
 
