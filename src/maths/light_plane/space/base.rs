@@ -123,7 +123,7 @@ impl BaseFilm {
     /// Linear forms of a world-space point (x, y, z, 1): u_x w₀, u_y w₀ and w₀, where w₀ is 1 for the sun, and the distance
     /// along the axis in metres for a light at a point. They vanish at the light.
     pub fn forms(&self) -> [DVec4; 3] {
-        let forms = match self.position {
+        match self.position {
             None => {
                 let of_axis = |axis: DVec3| (axis.extend(-axis.dot(self.center))) / self.scale;
                 [of_axis(self.axes.x), of_axis(self.axes.y), DVec4::W]
@@ -137,8 +137,7 @@ impl BaseFilm {
                 };
                 [of_axis(self.axes.x), of_axis(self.axes.y), width]
             }
-        };
-        forms
+        }
     }
 
     /// u of a point in the world; `None` beside or behind a light at a point.

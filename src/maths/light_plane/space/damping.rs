@@ -45,8 +45,8 @@ impl Damping {
     ///
     /// Stays while the cost is within the tolerance, else goes a part of the straight way in k towards the optimum. Valid
     /// bends form a convex set, so from an old bend that has become invalid the film goes as far as it must: nothing is
-    /// lost. On a straight way P S is never above its worse end (it is quasi-convex), so damping costs no more than
-    /// staying would.
+    /// lost. On a straight way P S is never above its worse end (it is quasi-convex): by that measure damping costs no more
+    /// than staying would. The frame is that of least error for the bend; it may turn from one picture to the next.
     pub fn step(
         &self,
         base: &BaseFilm,
