@@ -132,6 +132,27 @@ fn everything_is_covered() {
     assert!(reached.distance(DVec2::ONE) < 1.0e-9, "{reached}");
 }
 
+/// Casters beside the film, where w may be anything, do not count: a scene that is much wider has the same depths.
+#[test]
+fn casters_beside_the_film_do_not_matter() {
+    let mut fitted = Fitted::new(TRAVEL, false, 0.0);
+    let near = fitted.fit();
+    fitted.body = Polytope::from_box(DVec3::new(-2000.0, 0.0, -2000.0), DVec3::new(2000.0, 12.0, 2000.0));
+    let beyond = fitted
+        .body
+        .vertices()
+        .iter()
+        .any(|vertex| (near.clip_from_world * vertex.extend(1.0)).w <= 0.0);
+    assert!(beyond, "some of the scene lies behind w = 0");
+    let wide = fitted.fit();
+    // The column of light is a little longer where the scene no longer ends beside it.
+    close(wide.depth_per_metre, near.depth_per_metre, 0.4);
+    for (point, _) in &fitted.lit.points {
+        let depth = wide.clip_from_world.project_point3(*point).z;
+        assert!(depth > 0.0 && depth < 1.0, "{depth}");
+    }
+}
+
 /// Light space as everywhere: right-handed, z to the light, w and depth as documented.
 #[test]
 fn the_conventions_of_light_views() {
