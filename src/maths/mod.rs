@@ -112,6 +112,13 @@
 //! | f, s_p, d_p, d_l, θ_p, θ_l | [`light_plane::flat::PixelFootprint`] | C 1.3.4 |
 //! | q (single plane) | [`light_plane::flat::construction::view_plane_point`] | C 2.2.1 |
 //! | e_i, x_i, L | [`light_plane::flat::split::Frustum::error`], texels: [`light_plane::flat::allocation`] | C 3.2 |
+//! | film (near) plane, P_t M_t⁻¹ | [`light_plane::space::Film`] over a [`light_plane::space::BaseFilm`] | C 1.4, A.2 |
+//! | |dp/dl|, x_u² + y_u² + x_v² + y_v² | [`light_plane::space::FilmMetric`] | C 2.1.1, 4.2.1 |
+//! | Ω | [`light_plane::space::FilmSample`], summed in [`light_plane::space::FilmMoments`] | C 2.1 |
+//! | k | `bend`: w = 1 + k · u | beyond C, for its angle x of the film |
+//! | E | `sides` of [`light_plane::space::FilmFrame`] | beyond C, for its extents of the film |
+//! | e_i, x_i | `error` of a film; [`light_plane::space::FilmPartition::shares`] | C 3.2 |
+//! | `LIGHT_FRUSTA_BUDGET` | [`light_plane::space::MergeLimits`] | C 3.2, Algorithm 2 |
 
 pub mod analysis;
 pub mod bias;

@@ -15,6 +15,7 @@ mod golden;
 mod kernel;
 mod light;
 mod light_body;
+mod light_plane_space;
 mod near_plane;
 mod options;
 mod overhead;
