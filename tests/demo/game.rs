@@ -19,7 +19,7 @@ use umbrage::{
         DemoPlugin,
         player::Player,
         screens::{Activity, Screen},
-        sun::SunAngles,
+        sun::{Day, SunAngles},
         technique::Chosen,
         walker::Walker,
     },
@@ -196,6 +196,17 @@ impl Game {
             .single(world)
             .unwrap()
             .cloned()
+    }
+
+    /// The hour of a day that runs.
+    pub(crate) fn hour(&self) -> f32 {
+        self.0.world().resource::<Day>().hour.expect("the day runs")
+    }
+
+    /// The direction of sunlight at that hour, by the course of the level's day.
+    pub(crate) fn light_dir_of_hour(&self) -> Vec3 {
+        let course = self.0.world().resource::<LoadedScene>().sun.course();
+        course.light_dir(self.hour())
     }
 
     /// Where the sun stands.
