@@ -5,17 +5,7 @@
 
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 #import umbrage::surface::{load_depth, surface_at, view}
-
-struct EyeBlur {
-    // Iterations of near pixels, 0 to 16.
-    iterations: u32,
-    // View depth up to which pixels take part in all of them, metres.
-    full_depth: f32,
-    // This iteration, from 0.
-    iteration: u32,
-    // 0: along the rows, 1: along the columns.
-    axis: u32,
-}
+#import umbrage::types::EyeBlur
 
 @group(0) @binding(3) var<uniform> blur: EyeBlur;
 @group(0) @binding(4) var visibility: texture_2d<f32>;
