@@ -94,9 +94,9 @@ pub enum ShadowFilter {
         radius: f32,
     },
     /// The same with the radius of the sun's penumbra, from a search for blockers (percentage-closer soft shadows).
-    /// Where the search meets none, nothing else is read.
+    /// Where the search meets none, the four texels around the point decide.
     Pcss {
-        /// Lookups of the filter, 8..=64; the search takes half as many, at least 8, single ones.
+        /// Lookups of the filter, 8..=64; the search takes as many single comparisons.
         taps: u32,
         /// Radius of the search and of the widest penumbra, metres across the light, up to 2.
         radius: f32,
@@ -110,8 +110,8 @@ impl ShadowFilter {
     pub const TAPS: u32 = 16;
     /// Radius in metres of [`ShadowFilter::Poisson`] when nothing else is said.
     pub const POISSON_RADIUS: f32 = 0.05;
-    /// Radius in metres of [`ShadowFilter::Pcss`] when nothing else is said: the penumbra of an edge 110 m away.
-    pub const PCSS_RADIUS: f32 = 0.5;
+    /// Radius in metres of [`ShadowFilter::Pcss`] when nothing else is said: the penumbra of an edge 54 m away.
+    pub const PCSS_RADIUS: f32 = 0.25;
     /// Angular diameter of the sun in degrees from the earth.
     pub const SUN_DIAMETER: f32 = 0.53;
     /// The largest radius in metres.

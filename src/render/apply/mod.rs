@@ -97,9 +97,6 @@ fn init_apply_pipeline(
     commands.insert_resource(ApplyPipeline { layout, id });
 }
 
-/// Taps of a blocker search, at least.
-const SMALLEST_SEARCH: u32 = 8;
-
 /// What the shader reads, from the extracted sun and the atlas.
 pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParameters {
     let mut light_views = [GpuLightView::default(); MAX_LIGHT_VIEWS];
@@ -140,7 +137,7 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         bias_units,
         filter_taps,
         filter_radius: sun.settings.filter.world_radius(),
-        search_taps: (filter_taps / 2).max(SMALLEST_SEARCH),
+        search_taps: filter_taps,
         sun_tangent: (sun_diameter.to_radians() * 0.5).tan(),
         ..default()
     }
