@@ -44,7 +44,7 @@ impl Sheet {
         let mut sheet = draw(cell * UVec2::new(columns, rows), |area| {
             let style = (FONT, text_px).into_font().into_text_style(area);
             for (index, (label, _)) in self.cells.iter().enumerate() {
-                let place = place(index).as_ivec2();
+                let place = (place(index) + UVec2::new(0, GAP / 2)).as_ivec2();
                 area.draw(&Text::new(label.as_str(), (place.x, place.y), style.clone()))
                     .map_err(drawing)?;
             }

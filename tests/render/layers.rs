@@ -9,30 +9,30 @@ use crate::{
 };
 
 /// Scherzer 2005, figure 6: without bias lit surfaces are full of moiré; every remedy takes nearly all of it away, and
-/// keeps the shadows. The bounds are measured on llvmpipe, with a factor of about two.
+/// keeps the shadows. Measured on llvmpipe: 0.49 without bias, at most 0.0003 with any.
 #[test]
 fn every_bias_removes_moire_and_keeps_shadows() {
     let light = LIGHTS[0];
     let (moire, _) = errors(light, "zp4+lispsm:size=512,bias=none");
     assert!(moire > 0.15, "without bias only {moire} is wrongly in shadow");
-    for (keys, most_shadow, most_lit) in [
-        ("bias_m=0.1", 0.004, 0.006),
-        ("bias=slope", 0.003, 0.003),
-        ("bias=world-slope", 0.003, 0.003),
-        ("bias=receiver", 0.003, 0.003),
-        ("store=back,bias=none", 0.02, 0.004),
-        ("store=second,bias=none", 0.02, 0.004),
-        ("store=midpoint,bias=none", 0.02, 0.004),
-        ("store=back", 0.003, 0.004),
-        ("store=second", 0.003, 0.004),
-        ("store=midpoint", 0.003, 0.004),
+    for keys in [
+        "bias_m=0.1",
+        "bias=slope",
+        "bias=world-slope",
+        "bias=receiver",
+        "store=back,bias=none",
+        "store=second,bias=none",
+        "store=midpoint,bias=none",
+        "store=back",
+        "store=second",
+        "store=midpoint",
     ] {
         let (false_shadow, false_lit) = errors(light, &format!("zp4+lispsm:size=512,{keys}"));
         assert!(
-            false_shadow < most_shadow,
+            false_shadow < 0.001,
             "{keys}: {false_shadow} wrongly in shadow, {moire} without bias"
         );
-        assert!(false_lit < most_lit, "{keys}: {false_lit} wrongly lit");
+        assert!(false_lit < 0.001, "{keys}: {false_lit} wrongly lit");
     }
 }
 
@@ -82,7 +82,8 @@ fn the_second_atlas_holds_what_lies_behind_the_first() {
             "texel {index}: {second} is not behind {first}"
         );
         // The boxes are closed and stand on or over the ground, which is one sheet: behind a box's top is its bottom.
-        if back[index] > 0.0 && back[index] < *first {
+        // (Where the two are one to a millionth, at edges, the second is what comes next.)
+        if back[index] > 0.0 && back[index] < *first * (1.0 - 2.0e-6) {
             solid += 1;
             assert!(
                 *second >= back[index] - 1.0e-6,
