@@ -12,17 +12,19 @@ fn fetch_directional_shadow(
 #ifdef DEPTH_PREPASS
 #ifndef MULTISAMPLED
     let light = &view_bindings::lights.directional_lights[light_id];
-    let last = (*light).num_cascades - 1u;
-    if (*light).num_cascades > 0u && (*light).cascades[last].far_bound == 1.0e9
-            && (*light).cascades[last].texel_size < 0.0011 {
-        let pixel = vec2<i32>(frag_coord_xy);
-        // Fragments that are not the surface of the depth prepass (transparent ones) have no shadow result.
-        let prepass_ndc = textureLoad(view_bindings::depth_prepass_texture, pixel, 0);
-        let prepass_view_z = view_transformations::depth_ndc_to_view_z(prepass_ndc);
-        if abs(prepass_view_z - view_z) <= 0.01 * abs(prepass_view_z) {
-            let layer = i32((*light).depth_texture_base_index + last);
-            return textureLoad(view_bindings::directional_shadow_textures, pixel, layer, 0);
-        }
+    let last = max((*light).num_cascades, 1u) - 1u;
+    let is_result = ((*light).cascades[last].far_bound == 1.0e9) & ((*light).cascades[last].texel_size < 0.0011);
+    let pixel = vec2<i32>(frag_coord_xy);
+    let prepass_ndc = textureLoad(view_bindings::depth_prepass_texture, pixel, 0);
+    let prepass_view_z = view_transformations::depth_ndc_to_view_z(prepass_ndc);
+    // Fragments that are not the surface of the depth prepass (transparent ones) have no shadow result.
+    //
+    // NOTE: one branch, which depends on the pixel. Of branches on uniform values alone a software driver compiles a
+    // shader for every value of the buffer that it meets, one a frame here, and keeps them all.
+    let tolerance = select(-1.0, 0.01 * abs(prepass_view_z), is_result);
+    if abs(prepass_view_z - view_z) <= tolerance {
+        let layer = i32((*light).depth_texture_base_index + last);
+        return textureLoad(view_bindings::directional_shadow_textures, pixel, layer, 0);
     }
 #endif
 #endif

@@ -11,7 +11,9 @@
 @group(0) @binding(3) var<storage, read_write> arguments: array<DrawIndexedArguments>;
 // One counter per (light view, first instance of a bin).
 @group(0) @binding(4) var<storage, read_write> counts: array<atomic<u32>>;
-@group(0) @binding(5) var<uniform> parameters: CullParameters;
+// Storage, not uniform: a software driver compiles a shader anew for every value of a uniform that bounds a loop, and
+// keeps them all: about a megabyte a frame in the city, where the numbers change with every step.
+@group(0) @binding(5) var<storage, read> parameters: CullParameters;
 
 @compute @workgroup_size(64)
 fn cull_casters(@builtin(global_invocation_id) id: vec3<u32>) {

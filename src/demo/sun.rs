@@ -90,11 +90,34 @@ impl SunAngles {
 pub struct Day {
     /// Local solar time while the day runs.
     pub hour: Option<f32>,
+    /// From the course's direction to the sun's: a sun that did not stand on the course glides to it.
+    off_course: Quat,
 }
 
 impl Day {
     /// Hours of the day in a second of play: from sunrise to sunset in one and a half minutes at most.
     pub const HOURS_PER_SECOND: f32 = 1.0 / 6.0;
+
+    /// Seconds in which a sun off the course comes 2.7 times nearer to it.
+    const GLIDE_SECONDS: f32 = 2.0;
+
+    /// A day that begins with the sun where it stands: at the nearest hour. It stands still on days without a sunrise.
+    fn beginning(course: &DayCourse, light_dir: Vec3) -> Self {
+        let hour = Self::after(course, course.nearest_hour(light_dir), 0.0);
+        let off_course = hour.map(|hour| Quat::from_rotation_arc(course.light_dir(hour), light_dir));
+        Self {
+            hour,
+            off_course: off_course.unwrap_or_default(),
+        }
+    }
+
+    /// The direction of sunlight `seconds` later; `None` while the day stands still.
+    fn run(&mut self, course: &DayCourse, seconds: f32) -> Option<Vec3> {
+        self.hour = Self::after(course, self.hour?, seconds);
+        let nearer = 1.0 - (-seconds / Self::GLIDE_SECONDS).exp();
+        self.off_course = self.off_course.slerp(Quat::IDENTITY, nearer);
+        Some(self.off_course * course.light_dir(self.hour?))
+    }
 
     /// The hour `seconds` after `hour`; after the hour at which the sun sinks below what keys reach comes the one at
     /// which it rises above it. `None` on days on which it never does.
@@ -132,7 +155,7 @@ fn toggle_day(
     }
     let course = scene.sun.course();
     let Some(sun) = suns.iter().next() else { return };
-    day.hour = Day::after(&course, course.nearest_hour(sun.forward().as_vec3()), 0.0);
+    *day = Day::beginning(&course, sun.forward().as_vec3());
     notice.show(match day.hour {
         Some(_) => "the day runs: an hour in six seconds",
         None => "the sun does not rise on this level's day",
@@ -144,12 +167,12 @@ fn run_day(time: Res<Time>, scene: Res<LoadedScene>, mut suns: Query<&mut Transf
     if scene.is_changed() {
         day.set_if_neq(Day::default());
     }
-    let Some(hour) = day.hour else { return };
-    let course = scene.sun.course();
-    day.hour = Day::after(&course, hour, time.delta_secs());
-    if let Some(hour) = day.hour {
+    if day.hour.is_none() {
+        return;
+    }
+    if let Some(light_dir) = day.run(&scene.sun.course(), time.delta_secs()) {
         for mut transform in &mut suns {
-            transform.rotation = SunAngles::from_light_dir(course.light_dir(hour)).rotation();
+            transform.rotation = SunAngles::from_light_dir(light_dir).rotation();
         }
     }
 }
@@ -177,6 +200,29 @@ mod tests {
             azimuth: azimuth * DEGREE,
             elevation: elevation * DEGREE,
         }
+    }
+
+    /// The sun of a level need not stand on its course: it glides there from where it is.
+    #[test]
+    fn a_day_begins_where_the_sun_stands() {
+        let course = DayCourse {
+            latitude_deg: 48.0,
+            day: 172,
+        };
+        let start = degrees(132.0, 41.0).light_dir();
+        let mut day = Day::beginning(&course, start);
+        let mut last = start;
+        for _ in 0..600 {
+            let next = day.run(&course, 1.0 / 60.0).expect("the day runs");
+            let step = next.angle_between(last).to_degrees();
+            assert!(step < 0.3, "{step} degrees in a sixtieth of a second");
+            last = next;
+        }
+        let hour = day.hour.expect("the day runs");
+        assert!(
+            last.angle_between(course.light_dir(hour)).to_degrees() < 0.5,
+            "on its course after ten seconds"
+        );
     }
 
     /// At 48 degrees north on the longest day the sun stands 2 degrees high at about 4:17 and 19:43.

@@ -9,7 +9,7 @@ use std::{
 };
 
 use bevy::{
-    asset::{AssetLoadError, LoadState},
+    asset::{AssetLoadError, LoadState, io::AssetReaderError},
     prelude::*,
     tasks::{AsyncComputeTaskPool, Task, futures::check_ready},
 };
@@ -273,9 +273,7 @@ pub(super) fn advance_level(
             }
             if let Some(graphs) = &mut graphs {
                 let of_level = (&spawn.level.inhabitants[..], &spawn.ground, spawn.level.seed);
-                let library = spawn.palette.library();
-                let notes = inhabitants::spawn(&mut commands, &mut assets, graphs, library, of_level);
-                library.notes.extend(notes);
+                inhabitants::spawn(&mut commands, &mut assets, graphs, &mut spawn.palette, of_level);
             }
             let mut scene = loaded(&spawn.level, std::mem::take(&mut spawn.ground));
             scene.notes.extend_from_slice(spawn.palette.notes());
@@ -353,6 +351,9 @@ pub(super) fn one_sentence(error: &AssetLoadError) -> String {
             Some(own) => own.to_string(),
             None => format!("{}: {}", error.path(), error.error()),
         },
+        AssetLoadError::AssetReaderError(AssetReaderError::NotFound(path)) => {
+            format!("{}: there is no such file", path.display())
+        }
         other => other.to_string(),
     };
     text.lines().next().unwrap_or("unknown error").to_string()

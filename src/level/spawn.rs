@@ -199,6 +199,12 @@ impl Palette {
         &self.library.notes
     }
 
+    /// What is seen instead of a model: a box of side 1 that stands on its origin.
+    pub fn stand_in(&self) -> impl Bundle + use<> {
+        let (mesh, aabb) = self.stand_in.clone();
+        (Mesh3d(mesh), MeshMaterial3d(self.solid.clone()), aabb)
+    }
+
     /// The model files.
     pub fn library(&mut self) -> &mut Library {
         &mut self.library

@@ -38,7 +38,8 @@
 //! # Glossary
 //!
 //! Papers: S = Stingl 2011 (*Robust Hard Shadows*), L = Lloyd et al. 2006 (*Warping and Partitioning for Low Error
-//! Shadow Maps*).
+//! Shadow Maps*), G = Giegl 2007 (*Practical CG Research, Game Development and the European Union GameTools Project*),
+//! C = Chong 2003 (*Real-Time Perspective Optimal Shadow Maps*).
 //!
 //! | paper | here | where |
 //! |---|---|---|
@@ -92,6 +93,32 @@
 //! | mask | [`selection::selection_mask`] | L 6.3 |
 //! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
 //! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
+//! | n (tiles), θ | `tiles_per_axis`; `margin`: [`virtual_map::tile::filter_margin`] | G 3.3, 3.5 |
+//! | a, b (projection) | `scale`, `offset` in [`virtual_map::picture::view_from_picture`] | G eq. 3.1 |
+//! | ξ, ξ_max (tiles) | `counts` of [`virtual_map::tile::Tile`], [`virtual_map::queried::QueriedMap::max_tiles_per_axis`] | G 4.3, 4.4 |
+//! | η, η_min, f_η | `changed`, [`virtual_map::queried::ChangeThreshold`], `decay` | G 4.3.2, 4.4.2 |
+//! | s, s_max; t_max | `tile_size`, `tile_size_max` | G 4.5; 5.9 |
+//! | k, l | `splits`, `jumps` of [`virtual_map::queried::Refinement`] | G 4.5 |
+//! | Δ, N, R | extent, need, level: [`virtual_map::mapping::need_level`], [`virtual_map::bytes::byte_need`] | G 5.5, 5.6 |
+//! | SMTMM, SMTG, SMTGP | [`virtual_map::mapping::TileMappingMap`], [`virtual_map::grid::NeedGrid`] and its levels | G 5.5 to 5.8 |
+//! | η_0, η_1 | [`virtual_map::grid::Histogram`]: all levels | G 5.7 |
+//! | ξ (quality), p | `quality_drop`, `splits` of a node: [`virtual_map::fitted::FittedMap`] | G 5.11, 5.9 |
+//! | ESDB, SRT | [`virtual_map::picture::DepthPicture`]; the shadow result | G 3.3.3, 3.4 |
+//! | lexel; l | texel; `place`: −1..=1 on a film | C 1.3, 2.1 |
+//! | Ω | pixels that see a surface: [`light_plane::flat::Camera::see`] | C 2.1 |
+//! | d = \|dp/dl\| (printed dp/dt, too) | [`light_plane::flat::Sample::badness`] | C 2.1.1 |
+//! | θ_t, θ_b; T, B | [`light_plane::flat::Hull`]: their tangents | C 3.1 |
+//! | x, dl/dl'; k, s = artanh k | turn; [`light_plane::flat::Tilt`] | C 3.1; k and s are ours |
+//! | f, s_p, d_p, d_l, θ_p, θ_l | [`light_plane::flat::PixelFootprint`] | C 1.3.4 |
+//! | q (single plane) | [`light_plane::flat::construction::view_plane_point`] | C 2.2.1 |
+//! | e_i, x_i, L | [`light_plane::flat::split::Frustum::error`], texels: [`light_plane::flat::allocation`] | C 3.2 |
+//! | film (near) plane, P_t M_t⁻¹ | [`light_plane::space::Film`] over a [`light_plane::space::BaseFilm`] | C 1.4, A.2 |
+//! | |dp/dl|, x_u² + y_u² + x_v² + y_v² | [`light_plane::space::FilmMetric`] | C 2.1.1, 4.2.1 |
+//! | Ω | [`light_plane::space::FilmSample`], summed in [`light_plane::space::FilmMoments`] | C 2.1 |
+//! | k | `bend`: w = 1 + k · u | beyond C, for its angle x of the film |
+//! | E | `sides` of [`light_plane::space::FilmFrame`] | beyond C, for its extents of the film |
+//! | e_i, x_i | `error` of a film; [`light_plane::space::FilmPartition::shares`] | C 3.2 |
+//! | `LIGHT_FRUSTA_BUDGET` | [`light_plane::space::MergeLimits`] | C 3.2, Algorithm 2 |
 
 pub mod analysis;
 pub mod bias;
@@ -108,6 +135,7 @@ pub mod footprint;
 mod hull;
 pub mod kernel;
 pub mod light;
+pub mod light_plane;
 pub mod near_plane;
 pub mod polytope;
 pub mod selection;
@@ -115,4 +143,5 @@ pub mod split;
 pub mod stable;
 pub mod storage;
 pub mod view;
+pub mod virtual_map;
 pub mod warp;

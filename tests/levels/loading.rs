@@ -17,8 +17,8 @@ use bevy::{
     world_serialization::WorldSerializationPlugin,
 };
 use umbrage::level::{
-    LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, loader, model::Model,
-    scene::SceneSource,
+    LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, inhabitants::Inhabitant, loader,
+    model::Model, scene::SceneSource,
 };
 
 use crate::sources::{glb, root};
@@ -150,7 +150,8 @@ fn more_trees_are_no_more_batches_and_settings_reach_the_forest() {
     request(&mut app, "forest:count=300".parse().unwrap());
     wait(&mut app).unwrap();
     let (few, batches_of_few) = meshes_and_batches(&mut app);
-    assert_eq!(count::<Aabb>(&mut app), few);
+    let with_meshes = count::<Mesh3d>(&mut app);
+    assert_eq!(count::<Aabb>(&mut app), with_meshes);
     let notes = &app.world().resource::<LoadedScene>().notes;
     assert!(notes.is_empty(), "{notes:?}");
     request(&mut app, "forest:count=1200".parse().unwrap());
@@ -217,6 +218,14 @@ fn without_its_model_files_a_level_has_striped_boxes_and_says_so() {
     let trees = generated_trees(60);
     assert!(count::<Mesh3d>(&mut app) > trees, "boxes stand where trees were");
     assert_eq!(count::<VisibilityRange>(&mut app), 0);
+    let world = app.world_mut();
+    let mut deer = world.query_filtered::<&Children, With<Inhabitant>>();
+    let boxes: Vec<Entity> = deer.iter(world).flatten().copied().collect();
+    assert!(boxes.len() > 2, "boxes go where deer went");
+    assert!(
+        boxes.iter().all(|entity| world.get::<Mesh3d>(*entity).is_some()),
+        "boxes of deer are seen"
+    );
 }
 
 fn generated_trees(count: u32) -> usize {

@@ -33,6 +33,13 @@ pub struct LevelTime {
 #[derive(Component)]
 pub struct Inhabitant {
     plan: Plan,
+    /// `None` where a box stands in for the figure.
+    gaits: Option<Gaits>,
+}
+
+/// How a figure moves its limbs.
+#[derive(Clone, Copy)]
+struct Gaits {
     walk: Gait,
     rest: Gait,
     /// Metres of one loop of `walk`, at the figure's own size.
@@ -66,9 +73,9 @@ fn pass_time(time: Res<Time>, mut level_time: ResMut<LevelTime>) {
 fn stir(
     time: Res<LevelTime>,
     scene: Res<LoadedScene>,
-    mut figures: Query<(&Inhabitant, &mut Transform, &mut AnimationPlayer)>,
+    mut figures: Query<(&Inhabitant, &mut Transform, Option<&mut AnimationPlayer>)>,
 ) {
-    for (inhabitant, mut transform, mut player) in &mut figures {
+    for (inhabitant, mut transform, player) in &mut figures {
         let plan = &inhabitant.plan;
         let moment = plan.pace.at(time.seconds);
         let at = plan.route.at(moment.metres);
@@ -80,12 +87,15 @@ fn stir(
             scale: Vec3::splat(plan.scale),
         };
         transform.set_if_neq(placed);
-        let loops = moment.metres.abs() / inhabitant.metres;
-        let walked = loops.fract() * inhabitant.walk.seconds;
-        let rested = moment.rested % inhabitant.rest.seconds;
+        let (Some(gaits), Some(mut player)) = (inhabitant.gaits, player) else {
+            continue;
+        };
+        let loops = moment.metres.abs() / gaits.metres;
+        let walked = loops.fract() * gaits.walk.seconds;
+        let rested = moment.rested % gaits.rest.seconds;
         for (gait, seek, weight) in [
-            (inhabitant.walk, walked, moment.walk),
-            (inhabitant.rest, rested, 1.0 - moment.walk),
+            (gaits.walk, walked, moment.walk),
+            (gaits.rest, rested, 1.0 - moment.walk),
         ] {
             if let Some(active) = player.animation_mut(gait.node) {
                 active.set_seek_time(seek).set_weight(weight);

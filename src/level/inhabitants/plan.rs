@@ -45,6 +45,8 @@ const CLOTHES: [[u8; 3]; 8] = [
 /// One figure's life.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    /// Who.
+    pub figure: Figure,
     /// Which model.
     pub asset: AssetRef,
     /// Colour of clothes.
@@ -151,6 +153,7 @@ fn figure(rng: &mut ChaCha8Rng, figure: Figure, route: Route, pace: Pace) -> Pla
         ),
     };
     Plan {
+        figure,
         asset: AssetRef {
             file: figure.file(),
             variant,

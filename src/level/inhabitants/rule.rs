@@ -1,6 +1,6 @@
 //! What a level file says about inhabitants.
 
-use bevy_math::Vec2;
+use bevy_math::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Some figures of one kind.
@@ -27,14 +27,20 @@ pub enum Figure {
 }
 
 impl Figure {
-    /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Stag, Self::Hind, Self::Walker];
-
     /// Their model file, without extension.
     pub fn file(self) -> &'static str {
         match self {
             Self::Stag | Self::Hind => "deer",
             Self::Walker => "walker",
+        }
+    }
+
+    /// Width, height and length in metres of a box that may stand in for it, at scale 1.
+    pub fn size(self) -> Vec3 {
+        match self {
+            Self::Stag => Vec3::new(0.6, 2.0, 1.9),
+            Self::Hind => Vec3::new(0.5, 1.5, 1.8),
+            Self::Walker => Vec3::new(0.5, 1.75, 0.35),
         }
     }
 }

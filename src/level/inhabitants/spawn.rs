@@ -8,7 +8,7 @@ use bevy::{
 };
 
 use super::{
-    Gait, Inhabitant,
+    Gait, Gaits, Inhabitant,
     plan::{self, Plan},
     rule::InhabitantRule,
 };
@@ -16,30 +16,31 @@ use crate::level::{
     ground::Ground,
     library::{Library, rigs::Rig},
     load::LevelEntity,
-    spawn::LevelAssets,
+    spawn::{LevelAssets, Palette},
 };
 
 /// How far limbs reach beyond the box of the bind pose, in metres: a deer's neck when it grazes.
 const REACH: f32 = 0.6;
 
-/// Spawns the figures of a level. Gives one sentence per model file that cannot be used: its figures stay away.
+/// Spawns the figures of a level. Where a model file cannot be used, striped boxes go their ways instead, and the library
+/// gets one sentence.
 pub(in crate::level) fn spawn(
     commands: &mut Commands,
     assets: &mut LevelAssets,
     graphs: &mut Assets<AnimationGraph>,
-    library: &mut Library,
+    palette: &mut Palette,
     (rules, ground, seed): (&[InhabitantRule], &Ground, u64),
-) -> Vec<String> {
-    let mut notes: Vec<String> = Vec::new();
+) {
     let mut casts: Vec<(&'static str, Option<Cast>)> = Vec::new();
     for plan in plan::plans(rules, ground, seed) {
         let file = plan.asset.file;
         if !casts.iter().any(|(known, _)| *known == file) {
+            let library = palette.library();
             let cast = library.rig(file).and_then(|rig| Cast::new(rig, graphs));
             // A file that is not there has its sentence already.
             if cast.is_none() && library.shape(plan.asset).is_some() {
-                notes.push(format!(
-                    "models/{file}.glb has no figure with the clip walk and another one: its inhabitants stay away"
+                library.notes.push(format!(
+                    "models/{file}.glb has no figure with the clip walk and another one; striped boxes go its ways"
                 ));
             }
             casts.push((file, cast));
@@ -48,20 +49,34 @@ pub(in crate::level) fn spawn(
             .iter()
             .find(|(known, _)| *known == file)
             .and_then(|(_, cast)| cast.as_ref());
-        if let Some(cast) = cast {
-            cast.spawn(commands, assets, library, plan);
+        match cast {
+            Some(cast) => cast.spawn(commands, assets, palette.library(), plan),
+            None => spawn_box(commands, palette, plan),
         }
     }
-    notes
+}
+
+/// A striped box as large as the figure, which goes its way.
+fn spawn_box(commands: &mut Commands, palette: &Palette, plan: Plan) {
+    let name = Name::new(plan.asset.file);
+    let at_its_size = Transform::from_scale(plan.figure.size());
+    let gaits = None;
+    commands
+        .spawn((
+            name,
+            Transform::default(),
+            Visibility::default(),
+            Inhabitant { plan, gaits },
+            LevelEntity,
+        ))
+        .with_child((palette.stand_in(), at_its_size));
 }
 
 /// What all figures of a file share.
 struct Cast {
     rig: Rig,
     graph: Handle<AnimationGraph>,
-    walk: Gait,
-    rest: Gait,
-    metres: f32,
+    gaits: Gaits,
 }
 
 impl Cast {
@@ -76,9 +91,11 @@ impl Cast {
         Some(Self {
             rig: rig.clone(),
             graph: graphs.add(graph),
-            walk: gait(0, walk.seconds),
-            rest: gait(1, rest.seconds),
-            metres: walk.metres,
+            gaits: Gaits {
+                walk: gait(0, walk.seconds),
+                rest: gait(1, rest.seconds),
+                metres: walk.metres,
+            },
         })
     }
 
@@ -87,7 +104,7 @@ impl Cast {
             return;
         };
         let mut player = AnimationPlayer::default();
-        for gait in [self.walk, self.rest] {
+        for gait in [self.gaits.walk, self.gaits.rest] {
             player.play(gait.node).pause();
         }
         let (asset, tint, scale) = (plan.asset, plan.tint, plan.scale);
@@ -99,9 +116,10 @@ impl Cast {
                 AnimationGraphHandle(self.graph.clone()),
                 player,
                 Inhabitant {
-                    metres: self.metres * scale,
-                    walk: self.walk,
-                    rest: self.rest,
+                    gaits: Some(Gaits {
+                        metres: self.gaits.metres * scale,
+                        ..self.gaits
+                    }),
                     plan,
                 },
                 LevelEntity,

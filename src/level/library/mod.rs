@@ -29,7 +29,6 @@ pub mod structure;
 
 use super::{
     cover::{self, CoverMaterial},
-    inhabitants::Figure,
     model::{AssetRef, Tint},
 };
 use materials::Look;
@@ -276,8 +275,7 @@ impl Loading {
 fn stand_in(file: &str) -> &'static str {
     match file {
         cover::FILE => "plain colours stand in for it",
-        _ if Figure::ALL.iter().any(|figure| figure.file() == file) => "nothing stands in for it",
-        _ => "a striped box stands in for it",
+        _ => "striped boxes stand in for it",
     }
 }
 

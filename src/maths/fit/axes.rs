@@ -43,7 +43,7 @@ impl LightAxes {
         Some(Self { x: y.cross(z), y, z })
     }
 
-    pub(super) fn coordinates(&self, point: DVec3) -> DVec3 {
+    pub(in crate::maths) fn coordinates(&self, point: DVec3) -> DVec3 {
         DVec3::new(self.x.dot(point), self.y.dot(point), self.z.dot(point))
     }
 }

@@ -72,7 +72,7 @@ fn row_of_width(bend: f64) -> DVec4 {
 }
 
 /// Smallest and largest value, at least `smallest` apart.
-fn padded_range(values: impl Iterator<Item = f64>, smallest: f64) -> (f64, f64) {
+pub(in crate::maths) fn padded_range(values: impl Iterator<Item = f64>, smallest: f64) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (low.min(value), high.max(value))
     });

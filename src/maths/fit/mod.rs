@@ -21,6 +21,7 @@ use super::{
 use axes::light_axes;
 use bodies::Bodies;
 use focus::Focus;
+pub(in crate::maths) use focus::padded_range;
 
 pub use axes::LightAxes;
 pub use options::{FitOptions, ProjectionCenter, WarpAxis};

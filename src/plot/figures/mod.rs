@@ -3,6 +3,7 @@
 //! Every figure names its source and the parameters that the source leaves open, and says where theory ends. Pictures of
 //! renderings and timings of the papers' machines are no such plots and are not here.
 
+mod chong;
 mod data;
 mod lloyd;
 mod scherzer;
@@ -13,7 +14,7 @@ use std::fmt::Write;
 use bevy_math::UVec2;
 
 use super::{
-    Curves, HeatMap, Pixels, PlotError,
+    Bars, Curves, HeatMap, Pixels, PlotError,
     canvas::{TITLE_PX, draw},
     key::{noted, titled},
 };
@@ -39,11 +40,13 @@ pub enum Panels {
     Curves(Vec<Curves>),
     /// Values over light directions.
     HeatMaps(Vec<HeatMap>),
+    /// Tables.
+    Bars(Vec<Bars>),
 }
 
 /// All figures, in the order of the papers.
 pub fn figures() -> impl Iterator<Item = &'static Figure> {
-    [lloyd::FIGURES, stingl::FIGURES, scherzer::FIGURES]
+    [lloyd::FIGURES, stingl::FIGURES, scherzer::FIGURES, chong::FIGURES]
         .into_iter()
         .flatten()
 }
@@ -63,6 +66,7 @@ impl Figure {
         let (count, width, height) = match &panels {
             Panels::Curves(curves) => (curves.len(), 760, 680),
             Panels::HeatMaps(maps) => (maps.len(), 600, 660),
+            Panels::Bars(bars) => (bars.len(), 700, 900),
         };
         let size = UVec2::new((width * count as u32).max(900), height);
         draw(size, |area| {
@@ -79,6 +83,7 @@ impl Figure {
                     .zip(curves)
                     .try_for_each(|(part, curves)| curves.draw_on(part)),
                 Panels::HeatMaps(maps) => parts.iter().zip(maps).try_for_each(|(part, map)| map.draw_on(part)),
+                Panels::Bars(bars) => parts.iter().zip(bars).try_for_each(|(part, bars)| bars.draw_on(part)),
             }
         })
     }
@@ -102,6 +107,18 @@ impl Figure {
                     for curve in &panel.curves {
                         for (x, y) in curve.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite()) {
                             line(&[cell(&panel.title), cell(&curve.label), x.to_string(), y.to_string()]);
+                        }
+                    }
+                }
+            }
+            Panels::Bars(panels) => {
+                let label = panels.first().map(|bars| cell(&bars.label)).unwrap_or_default();
+                line(&["panel,row,series".to_owned(), label]);
+                for panel in &panels {
+                    for row in &panel.rows {
+                        for (series, value) in panel.series.iter().zip(&row.values) {
+                            let value = value.map_or_else(String::new, |value| value.to_string());
+                            line(&[cell(&panel.title), cell(&row.label), cell(series), value]);
                         }
                     }
                 }

@@ -13,7 +13,7 @@ use bevy::{
             BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BufferInitDescriptor, BufferUsages,
             CachedComputePipelineId, ComputePassDescriptor, ComputePipelineDescriptor, LoadOp, Operations,
             PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor, ShaderStages, ShaderType, StoreOp,
-            binding_types::{storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer_sized},
+            binding_types::{storage_buffer_read_only_sized, storage_buffer_sized},
             encase,
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
@@ -45,7 +45,7 @@ pub fn init_cull_pipeline(mut commands: Commands, cache: Res<PipelineCache>, ser
                 storage_buffer_read_only_sized(false, None),
                 storage_buffer_sized(false, None),
                 storage_buffer_sized(false, None),
-                uniform_buffer_sized(false, None),
+                storage_buffer_read_only_sized(false, None),
             ),
         ),
     );
@@ -90,7 +90,7 @@ pub fn draw_casters(
                 .map(|light_view| light_view.clip_from_world)
                 .collect();
             let bins = storage_bytes(&plan.bins);
-            let parameters = uniform_bytes(&CullParameters {
+            let parameters = storage_bytes(&CullParameters {
                 instance_total: plan.instance_total,
                 bin_count: plan.bins.len() as u32,
                 light_view_count: matrices.len() as u32,
@@ -103,7 +103,7 @@ pub fn draw_casters(
                 &storage_bytes(&matrices),
                 BufferUsages::STORAGE,
             );
-            let parameters = create_buffer(&device, "umbrage_cull_parameters", &parameters, BufferUsages::UNIFORM);
+            let parameters = create_buffer(&device, "umbrage_cull_parameters", &parameters, BufferUsages::STORAGE);
             let bind_group = device.create_bind_group(
                 "umbrage_cull_casters",
                 &cache.get_bind_group_layout(&pipeline.layout),
@@ -180,15 +180,9 @@ fn create_buffer(
     })
 }
 
-fn storage_bytes<T: ShaderType + encase::ShaderSize + encase::internal::WriteInto>(values: &[T]) -> Vec<u8> {
+fn storage_bytes<T: ShaderType + encase::internal::WriteInto + ?Sized>(value: &T) -> Vec<u8> {
     let mut buffer = encase::StorageBuffer::new(Vec::new());
     // Writing into a vector cannot fail: it grows.
-    let _ = buffer.write(&values);
-    buffer.into_inner()
-}
-
-fn uniform_bytes<T: ShaderType + encase::internal::WriteInto>(value: &T) -> Vec<u8> {
-    let mut buffer = encase::UniformBuffer::new(Vec::new());
     let _ = buffer.write(value);
     buffer.into_inner()
 }

@@ -1,0 +1,13 @@
+//! Virtual shadow maps against the oracles of Giegl and against properties.
+
+mod feedback;
+mod fitted;
+mod grid;
+mod limits;
+mod mapping;
+mod memory;
+mod needs;
+mod queried;
+mod scene;
+mod tile;
+mod transparent;
