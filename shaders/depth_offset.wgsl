@@ -19,13 +19,16 @@ fn slope_scaled_offset(plane: ReceiverPlane, size: vec2<f32>, factor: f32, const
     return factor * max(slope.x, slope.y) + constant;
 }
 
-// factor * tan * texel side in the light plane, as depth; tan of the angle between normal and light. The side is the
-// root of the texel's area there, which is that on the receiver times the cosine.
+// The root of a texel's area in the light plane, which is that on the receiver times the cosine, metres.
+fn texel_side(plane: ReceiverPlane, size: vec2<f32>, cosine: f32) -> f32 {
+    return sqrt(cosine / (plane.uv_area_per_square_metre * size.x * size.y));
+}
+
+// factor * tan * texel side in the light plane, as depth; tan of the angle between normal and light.
 fn world_slope_offset(plane: ReceiverPlane, size: vec2<f32>, cosine: f32, factor: f32) -> f32 {
     let limited = clamp(cosine, MIN_COS_LIGHT, 1.0);
     let tangent = sqrt(1.0 - limited * limited) / limited;
-    let side = sqrt(limited / (plane.uv_area_per_square_metre * size.x * size.y));
-    return factor * tangent * side * plane.depth_per_metre;
+    return factor * tangent * texel_side(plane, size, limited) * plane.depth_per_metre;
 }
 
 // Change of depth of the receiver's plane over a whole texel, along both axes together.

@@ -176,7 +176,7 @@ fn soft(atlas: texture_depth_2d, lookup: Lookup, kernel: Kernel, settings: Soft,
     let search = scaled(kernel, settings.largest_radius);
     let blockers = search_blockers(atlas, lookup, search, settings.search_taps, angle);
     if blockers.count == 0u {
-        return 1.0;
+        return bilinear(atlas, lookup, receiver_texel(lookup));
     }
     let radius = penumbra_radius(blockers.distance, settings.sun_tangent);
     let limited = min(max(radius, settings.smallest_radius), settings.largest_radius);

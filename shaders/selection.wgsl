@@ -2,6 +2,7 @@
 #define_import_path umbrage::selection
 
 #import umbrage::bias::{ReceiverPlane, receiver_plane}
+#import umbrage::filter::kernel_per_metre
 #import umbrage::surface::Surface
 #import umbrage::types::{ApplyParameters, SELECTION_BEST_RESOLUTION, SELECTION_CASCADES}
 
@@ -38,7 +39,13 @@ fn select_view(surface: Surface) -> Selected {
 
 // Whether the map holds the point with all texels that the filter reads.
 fn contains(plane: ReceiverPlane, index: u32) -> bool {
-    let margin = 1.0 / parameters.light_views[index].atlas_rect.zw;
+    var margin = 1.0 / parameters.light_views[index].atlas_rect.zw;
+    if parameters.filter_radius > 0.0 && plane.w > 0.0 {
+        let kernel = kernel_per_metre(
+            parameters.light_views[index].clip_from_world, plane, parameters.direction_to_light);
+        // Half the box around the ellipse.
+        margin += parameters.filter_radius * sqrt(kernel.across * kernel.across + kernel.along * kernel.along);
+    }
     return plane.w > 0.0
         && all(plane.uv >= margin) && all(plane.uv <= 1.0 - margin)
         && plane.depth_ndc >= 0.0 && plane.depth_ndc <= 1.0;

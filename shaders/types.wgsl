@@ -27,12 +27,33 @@ struct ApplyParameters {
     filter_kind: u32,
     // BIAS_*
     bias_kind: u32,
-    // Metres for BIAS_CONSTANT, factor for BIAS_FOOTPRINT.
+    // Metres for BIAS_CONSTANT and BIAS_RECEIVER, else a factor.
     bias_value: f32,
     // 0..1, for the heat map.
     opacity: f32,
-    padding_a: f32,
-    padding_b: f32,
+    // Smallest steps of depth, for BIAS_SLOPE.
+    bias_units: f32,
+    // Lookups on the disc of FILTER_POISSON and FILTER_PCSS.
+    filter_taps: u32,
+    // The largest radius of the disc across the light, metres; 0 for filters of fixed size in texels.
+    filter_radius: f32,
+    // Taps of the blocker search, for FILTER_PCSS.
+    search_taps: u32,
+    // Tangent of half the sun's angular diameter, for FILTER_PCSS.
+    sun_tangent: f32,
+    padding: f32,
+}
+
+// One pass of the eye-space blur: half an iteration.
+struct EyeBlur {
+    // Iterations of near pixels, 0 to 16.
+    iterations: u32,
+    // View depth up to which pixels take part in all of them, metres.
+    full_depth: f32,
+    // This iteration, from 0.
+    iteration: u32,
+    // 0: along the rows, 1: along the columns.
+    axis: u32,
 }
 
 const SELECTION_DEPTH: u32 = 0u;
@@ -41,9 +62,14 @@ const SELECTION_BEST_RESOLUTION: u32 = 1u;
 const SELECTION_CASCADES: u32 = 2u;
 const FILTER_HARD: u32 = 0u;
 const FILTER_PCF2: u32 = 1u;
+const FILTER_POISSON: u32 = 2u;
+const FILTER_PCSS: u32 = 3u;
 const BIAS_NONE: u32 = 0u;
 const BIAS_CONSTANT: u32 = 1u;
 const BIAS_FOOTPRINT: u32 = 2u;
+const BIAS_SLOPE: u32 = 3u;
+const BIAS_WORLD_SLOPE: u32 = 4u;
+const BIAS_RECEIVER: u32 = 5u;
 
 // One bin of the caster phase: instances that share mesh, material and pipeline.
 struct CasterBin {

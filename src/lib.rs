@@ -48,7 +48,8 @@ pub mod prelude {
         render::UmbragePlugins,
         shadow::{
             settings::{
-                PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows, WithoutSunShadows,
+                PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
+                SunShadows, WithoutSunShadows,
             },
             technique::Technique,
         },

@@ -2,7 +2,7 @@
 
 use bevy::render::render_resource::ShaderType;
 use umbrage::render::gpu_types::{
-    ApplyParameters, CasterBin, CullParameters, DrawIndexedArguments, GpuLightView, MAX_LIGHT_VIEWS,
+    ApplyParameters, CasterBin, CullParameters, DrawIndexedArguments, GpuEyeBlur, GpuLightView, MAX_LIGHT_VIEWS,
 };
 
 /// Name, size and member offsets of every structure that the shader compiler sees.
@@ -62,8 +62,9 @@ fn layouts_agree() {
     assert_layout!(GpuLightView, "LightView", { clip_from_world, atlas_rect, depth_range, padding });
     assert_layout!(ApplyParameters, "ApplyParameters", {
         light_views, direction_to_light, light_view_count, shadow_distance, selection, filter_kind, bias_kind,
-        bias_value, opacity, padding_a, padding_b,
+        bias_value, opacity, bias_units, filter_taps, filter_radius, search_taps, sun_tangent, padding,
     });
+    assert_layout!(GpuEyeBlur, "EyeBlur", { iterations, full_depth, iteration, axis });
     assert_layout!(CasterBin, "CasterBin", {
         first_instance, instance_count, first_index, index_count, base_vertex, unbounded, padding_a, padding_b,
         center_local, half_extents_local,
@@ -72,7 +73,7 @@ fn layouts_agree() {
         index_count, instance_count, first_index, base_vertex, first_instance,
     });
     assert_layout!(CullParameters, "CullParameters", { instance_total, bin_count, light_view_count, padding });
-    assert_eq!(wgsl_structs().len(), 5, "a structure of types.wgsl has no twin here");
+    assert_eq!(wgsl_structs().len(), 6, "a structure of types.wgsl has no twin here");
     let array = include_str!("../shaders/types.wgsl").contains(&format!("array<LightView, {MAX_LIGHT_VIEWS}>"));
     assert!(array, "the array of light views has another length");
 }

@@ -5,9 +5,38 @@
 
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 #import umbrage::bias::{MIN_COS_LIGHT, ReceiverPlane}
-#import umbrage::selection::{parameters, select_view}
+#import umbrage::depth_offset::{
+    constant_offset,
+    float_step,
+    slope_scaled_offset,
+    texel_side,
+    texel_span,
+    world_slope_offset,
+}
+#import umbrage::filter::{
+    Lookup,
+    Soft,
+    bilinear,
+    disc,
+    hard,
+    kernel_per_metre,
+    pixel_angle,
+    receiver_texel,
+    scaled,
+    soft,
+}
+#import umbrage::selection::{Selected, parameters, select_view}
 #import umbrage::surface::{Surface, load_depth, surface_at}
-#import umbrage::types::{BIAS_CONSTANT, BIAS_FOOTPRINT, BIAS_NONE, FILTER_HARD}
+#import umbrage::types::{
+    BIAS_CONSTANT,
+    BIAS_FOOTPRINT,
+    BIAS_RECEIVER,
+    BIAS_SLOPE,
+    BIAS_WORLD_SLOPE,
+    FILTER_HARD,
+    FILTER_PCF2,
+    FILTER_POISSON,
+}
 
 @group(0) @binding(4) var atlas: texture_depth_2d;
 
@@ -17,6 +46,7 @@ const NOISE_PER_METRE: f32 = 0.00002;
 // Share of the texel's depth span on the receiver's plane that is added on top of the exact plane depth, for normals
 // that are slightly off.
 const FOOTPRINT_SHARE: f32 = 0.5;
+
 @fragment
 fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
     let depth_ndc = load_depth(vec2<i32>(in.position.xy));
@@ -28,53 +58,71 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
     if !selected.is_found {
         return 1.0;
     }
-    return visibility(selected.plane, selected.index, surface);
+    return visibility(selected, surface, pixel_angle(in.position.xy));
 }
 
-fn visibility(plane: ReceiverPlane, index: u32, surface: Surface) -> f32 {
-    let rect = parameters.light_views[index].atlas_rect;
-    let texel = plane.uv * rect.zw;
-    let offset = depth_offset(plane, rect.zw, surface);
+// `angle`: by which this pixel turns its disc of taps.
+fn visibility(selected: Selected, surface: Surface, angle: f32) -> f32 {
+    var lookup: Lookup;
+    lookup.plane = selected.plane;
+    lookup.rect = parameters.light_views[selected.index].atlas_rect;
+    let size = lookup.rect.zw;
+    // A plane has no side.
+    let cosine = max(abs(dot(surface.normal, parameters.direction_to_light)), MIN_COS_LIGHT);
+    lookup.offset = depth_offset(lookup.plane, size, surface, cosine);
+    lookup.follows_plane = parameters.bias_kind == BIAS_FOOTPRINT || parameters.bias_kind == BIAS_RECEIVER;
     if parameters.filter_kind == FILTER_HARD {
-        return compare(plane, rect, texel, floor(texel), offset);
+        return hard(atlas, lookup);
     }
-    let base = floor(texel - 0.5);
-    let weight = texel - 0.5 - base;
-    let top = mix(
-        compare(plane, rect, texel, base, offset), compare(plane, rect, texel, base + vec2<f32>(1.0, 0.0), offset), weight.x);
-    let bottom = mix(
-        compare(plane, rect, texel, base + vec2<f32>(0.0, 1.0), offset), compare(plane, rect, texel, base + 1.0, offset), weight.x);
-    return mix(top, bottom, weight.y);
+    if parameters.filter_kind == FILTER_PCF2 {
+        return bilinear(atlas, lookup, receiver_texel(lookup));
+    }
+    let kernel = kernel_per_metre(
+        parameters.light_views[selected.index].clip_from_world, lookup.plane, parameters.direction_to_light);
+    if parameters.filter_kind == FILTER_POISSON {
+        return disc(
+            atlas, lookup, scaled(kernel, parameters.filter_radius), parameters.filter_taps, angle, true);
+    }
+    var settings: Soft;
+    settings.sun_tangent = parameters.sun_tangent;
+    settings.largest_radius = parameters.filter_radius;
+    settings.smallest_radius = texel_side(lookup.plane, size, cosine);
+    settings.search_taps = parameters.search_taps;
+    settings.filter_taps = parameters.filter_taps;
+    return soft(atlas, lookup, kernel, settings, angle);
 }
 
-// How much nearer to the light than the receiver's plane a caster must be, NDC depth.
-fn depth_offset(plane: ReceiverPlane, size: vec2<f32>, surface: Surface) -> f32 {
-    if parameters.bias_kind == BIAS_NONE {
-        return 0.0;
+// How much nearer to the light than the receiver (or its plane) a caster must be, NDC depth.
+fn depth_offset(plane: ReceiverPlane, size: vec2<f32>, surface: Surface, cosine: f32) -> f32 {
+    switch parameters.bias_kind {
+        case BIAS_CONSTANT, BIAS_RECEIVER: {
+            return constant_offset(plane, parameters.bias_value);
+        }
+        case BIAS_SLOPE: {
+            let units = parameters.bias_units * float_step(plane.depth_ndc);
+            return slope_scaled_offset(plane, size, parameters.bias_value, units);
+        }
+        case BIAS_WORLD_SLOPE: {
+            return world_slope_offset(plane, size, cosine, parameters.bias_value);
+        }
+        case BIAS_FOOTPRINT: {
+            return footprint_offset(plane, size, surface, cosine);
+        }
+        default: {
+            return 0.0;
+        }
     }
-    if parameters.bias_kind == BIAS_CONSTANT {
-        return parameters.bias_value * plane.depth_per_metre;
-    }
+}
+
+fn footprint_offset(plane: ReceiverPlane, size: vec2<f32>, surface: Surface, cosine: f32) -> f32 {
     let noise = (NOISE_METRES + NOISE_PER_METRE * surface.view_depth) * plane.depth_per_metre;
-    var span = dot(abs(plane.depth_per_uv), 1.0 / size);
+    var span = texel_span(plane, size);
     if !surface.has_normal {
         // Unknown plane: as if it met the light at 45 degrees.
         span = 2.0 * plane.depth_per_metre / sqrt(plane.uv_area_per_square_metre * size.x * size.y);
     }
     // What the plane rises above its taps, up to a texel away, if it is tilted by the error of the normal.
-    let cosine = max(abs(dot(surface.normal, parameters.direction_to_light)), MIN_COS_LIGHT);
     let texel_metres = 1.0 / sqrt(plane.uv_area_per_square_metre * size.x * size.y);
     let tilt = surface.normal_error * texel_metres / cosine * plane.depth_per_metre;
     return noise + parameters.bias_value * (FOOTPRINT_SHARE * span + tilt);
-}
-
-// One comparison: the depth of the receiver's plane at the texel's centre against the stored depth.
-fn compare(plane: ReceiverPlane, rect: vec4<f32>, texel: vec2<f32>, tap: vec2<f32>, offset: f32) -> f32 {
-    var receiver = plane.depth_ndc + offset;
-    if parameters.bias_kind == BIAS_FOOTPRINT {
-        receiver += dot(plane.depth_per_uv, (tap + 0.5 - texel) / rect.zw);
-    }
-    let stored = textureLoad(atlas, vec2<i32>(rect.xy + clamp(tap, vec2<f32>(0.0), rect.zw - 1.0)), 0);
-    // Reverse z: larger is nearer to the light.
-    return select(1.0, 0.0, stored > receiver);
 }

@@ -5,17 +5,7 @@
 
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 #import umbrage::surface::{load_depth, surface_at, view}
-
-struct EyeBlur {
-    // Iterations of near pixels, 0 to 16.
-    iterations: u32,
-    // View depth up to which pixels take part in all of them, metres.
-    full_depth: f32,
-    // This iteration, from 0.
-    iteration: u32,
-    // 0: along the rows, 1: along the columns.
-    axis: u32,
-}
+#import umbrage::types::EyeBlur
 
 @group(0) @binding(3) var<uniform> blur: EyeBlur;
 @group(0) @binding(4) var visibility: texture_2d<f32>;
@@ -43,7 +33,12 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
         return own;
     }
     let step = select(vec2<f32>(1.0, 0.0), vec2<f32>(0.0, 1.0), blur.axis == 1u);
-    return own + taken(in.position.xy - step, pixel, own) + taken(in.position.xy + step, pixel, own);
+    return nearest_half(own + taken(in.position.xy - step, pixel, own) + taken(in.position.xy + step, pixel, own));
+}
+
+// The textures hold 16 bits, and some adapters cut the rest off: over 32 passes that is more than 1 of 255.
+fn nearest_half(value: f32) -> f32 {
+    return unpack2x16float(pack2x16float(vec2<f32>(value, 0.0))).x;
 }
 
 fn load_visibility(place: vec2<f32>) -> f32 {

@@ -105,6 +105,9 @@ pub struct Shoot {
     /// Which pictures, as `list passes` names them
     #[arg(long, value_name = "P,P", value_delimiter = ',', default_value = "beauty")]
     pub passes: Vec<Pass>,
+    /// Also one sheet per shot and kind of picture, with all techniques in so many columns
+    #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub sheet: Option<u32>,
     /// Only every N-th shot, beginning with the I-th (from 1)
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,

@@ -58,6 +58,7 @@ fn flight_args(args: &Play) -> Shoot {
         }],
         size: None,
         passes: vec![Pass::Beauty],
+        sheet: None,
         shard: Shard::ALL,
         out: FLIGHT_FOLDER.into(),
     }

@@ -61,11 +61,29 @@ const WARPS: &[Warp] = &[
 ];
 const MAP_SIZES: &[u32] = &[512, 1024, 2048, 4096];
 const SELECTIONS: &[PartitionSelection] = &[PartitionSelection::BestResolution, PartitionSelection::Depth];
-const FILTERS: &[ShadowFilter] = &[ShadowFilter::Pcf2, ShadowFilter::Hard];
+const FILTERS: &[ShadowFilter] = &[
+    ShadowFilter::Pcf2,
+    ShadowFilter::Hard,
+    ShadowFilter::Poisson {
+        taps: ShadowFilter::TAPS,
+        radius: ShadowFilter::POISSON_RADIUS,
+    },
+    ShadowFilter::Pcss {
+        taps: ShadowFilter::TAPS,
+        radius: ShadowFilter::PCSS_RADIUS,
+        sun_diameter: ShadowFilter::SUN_DIAMETER,
+    },
+];
 const BIASES: &[ShadowBias] = &[
     ShadowBias::Footprint { scale: 1.0 },
     ShadowBias::Constant { metres: 0.05 },
     ShadowBias::None,
+    ShadowBias::Slope {
+        factor: 2.0,
+        units: 4.0,
+    },
+    ShadowBias::WorldSlope { factor: 2.0 },
+    ShadowBias::ReceiverPlane { metres: 0.01 },
 ];
 const PATHS: &[ShadowPath] = &[ShadowPath::Full, ShadowPath::DropIn];
 const DISTANCES: &[Option<f32>] = &[None, Some(50.0), Some(100.0), Some(200.0), Some(400.0)];
@@ -133,11 +151,16 @@ impl Setting {
             Self::Filter => match settings.filter {
                 ShadowFilter::Hard => "hard".into(),
                 ShadowFilter::Pcf2 => "2x2 PCF".into(),
+                ShadowFilter::Poisson { taps, radius } => format!("disc of {taps}, {radius} m"),
+                ShadowFilter::Pcss { sun_diameter, .. } => format!("penumbra of a sun of {sun_diameter} degrees"),
             },
             Self::Bias => match settings.bias {
                 ShadowBias::None => "none".into(),
                 ShadowBias::Constant { metres } => format!("constant {metres} m"),
                 ShadowBias::Footprint { scale } => format!("footprint x {scale}"),
+                ShadowBias::Slope { factor, units } => format!("slope x {factor} + {units} steps"),
+                ShadowBias::WorldSlope { factor } => format!("slope in the world x {factor}"),
+                ShadowBias::ReceiverPlane { metres } => format!("receiver plane + {metres} m"),
             },
             Self::Path => match settings.path {
                 ShadowPath::Full => "full".into(),
@@ -156,7 +179,7 @@ impl Setting {
     }
 
     /// Steps to the next value, or back; a value that is not in the list goes to its first. The drop-in path keeps
-    /// at most [`SunShadows::MAX_DROP_IN_PARTITIONS`] partitions, and warps no stronger than `LiSPSM`.
+    /// at most [`SunShadows::MAX_DROP_IN_PARTITIONS`] partitions, warps no stronger than `LiSPSM`, and its own biases.
     pub fn step(self, settings: &mut SunShadows, back: bool) {
         let partitions = &mut settings.partitions;
         match self {
@@ -178,6 +201,9 @@ impl Setting {
                 }
                 _ => Warp::Lispsm,
             };
+        }
+        while settings.path == ShadowPath::DropIn && !settings.bias.is_for_drop_in() {
+            settings.bias = neighbor(BIASES, &settings.bias, back);
         }
         let count = &mut settings.partitions.count;
         if settings.path == ShadowPath::DropIn && *count > SunShadows::MAX_DROP_IN_PARTITIONS {
@@ -303,6 +329,24 @@ mod tests {
                 seen.push(settings.warp);
             }
             assert!(seen.contains(&Warp::Uniform), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn drop_in_keeps_to_its_own_biases() {
+        let mut settings = SunShadows {
+            bias: ShadowBias::WorldSlope { factor: 2.0 },
+            ..Default::default()
+        };
+        Setting::Path.step(&mut settings, false);
+        for back in [false, true] {
+            let mut seen = Vec::new();
+            for _ in 0..3 {
+                assert!(settings.bias.is_for_drop_in(), "{:?}", settings.bias);
+                assert!(!seen.contains(&settings.bias), "{seen:?}");
+                seen.push(settings.bias);
+                Setting::Bias.step(&mut settings, back);
+            }
         }
     }
 

@@ -143,13 +143,16 @@ pub fn slope_scaled_offset(plane: &ReceiverPlane, size: Vec2, factor: f32, const
     factor * (plane.depth_per_uv.abs() / size).max_element() + constant
 }
 
-/// factor · tan θ_l · texel side in the light plane, as depth. The side is the root of the texel's area there, which is
-/// that on the receiver times cos θ_l.
+/// The root of a texel's area in the light plane, which is that on the receiver times cos θ_l, in metres.
+pub fn texel_side(plane: &ReceiverPlane, size: Vec2, cosine: f32) -> f32 {
+    (cosine / (plane.uv_area_per_square_metre * size.element_product())).sqrt()
+}
+
+/// factor · tan θ_l · texel side in the light plane, as depth.
 pub fn world_slope_offset(plane: &ReceiverPlane, size: Vec2, cosine: f32, factor: f32) -> f32 {
     let cosine = cosine.clamp(MIN_COS_LIGHT, 1.0);
     let tangent = (1.0 - cosine * cosine).sqrt() / cosine;
-    let side = (cosine / (plane.uv_area_per_square_metre * size.element_product())).sqrt();
-    factor * tangent * side * plane.depth_per_metre
+    factor * tangent * texel_side(plane, size, cosine) * plane.depth_per_metre
 }
 
 /// Change of depth of the receiver's plane over a whole texel, along both axes together.

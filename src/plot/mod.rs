@@ -10,9 +10,11 @@ mod curves;
 pub mod figures;
 mod heat_map;
 mod key;
+mod sheet;
 
 pub use axis::{Axis, Scale};
 pub use bars::{Bars, Row};
 pub use canvas::{Pixels, PlotError};
 pub use curves::{Curve, Curves};
 pub use heat_map::HeatMap;
+pub use sheet::Sheet;

@@ -27,6 +27,8 @@ pub struct ShadowAtlas {
     pub texture: Texture,
     /// Default view of the texture.
     pub view: TextureView,
+    /// The second surface from the light in the same cells, or the middle between both, where the sun's settings ask for it.
+    pub second: Option<(Texture, TextureView)>,
     /// Cells per side.
     pub grid: u32,
     /// Texels per side of a cell.
@@ -52,10 +54,15 @@ impl ShadowAtlas {
         cell_rect(index, self.grid, self.cell)
     }
 
+    /// The depths that lookups compare with.
+    pub fn lookup_view(&self) -> &TextureView {
+        self.second.as_ref().map_or(&self.view, |(_, view)| view)
+    }
+
     /// Bytes of texture memory.
     pub fn bytes(&self) -> u64 {
         let side = u64::from(self.grid * self.cell);
-        side * side * 4
+        side * side * if self.second.is_some() { 8 } else { 4 }
     }
 }
 
@@ -109,14 +116,24 @@ pub fn prepare_atlas(
                 sun.settings.map_size
             );
         }
-        if !atlas.is_some_and(|atlas| (atlas.grid, atlas.cell, atlas.count) == (grid, cell, count)) {
-            let (texture, view) = match atlas {
-                Some(atlas) if (atlas.grid, atlas.cell) == (grid, cell) => (atlas.texture.clone(), atlas.view.clone()),
-                _ => create_target(&device, "umbrage_shadow_atlas", UVec2::splat(grid * cell), ATLAS_FORMAT),
+        let is_layered = sun.settings.store.is_layered();
+        if !atlas.is_some_and(|atlas| {
+            (atlas.grid, atlas.cell, atlas.count, atlas.second.is_some()) == (grid, cell, count, is_layered)
+        }) {
+            let create = |label| create_target(&device, label, UVec2::splat(grid * cell), ATLAS_FORMAT);
+            let same_size = atlas.filter(|atlas| (atlas.grid, atlas.cell) == (grid, cell));
+            let (texture, view) = match same_size {
+                Some(atlas) => (atlas.texture.clone(), atlas.view.clone()),
+                None => create("umbrage_shadow_atlas"),
             };
+            let second = is_layered.then(|| {
+                let known = same_size.and_then(|atlas| atlas.second.clone());
+                known.unwrap_or_else(|| create("umbrage_second_shadow_atlas"))
+            });
             commands.entity(entity).insert(ShadowAtlas {
                 texture,
                 view,
+                second,
                 grid,
                 cell,
                 count,
@@ -129,7 +146,12 @@ pub fn prepare_atlas(
     }
 }
 
-fn create_target(device: &RenderDevice, label: &str, size: UVec2, format: TextureFormat) -> (Texture, TextureView) {
+pub(super) fn create_target(
+    device: &RenderDevice,
+    label: &str,
+    size: UVec2,
+    format: TextureFormat,
+) -> (Texture, TextureView) {
     let texture = device.create_texture(&TextureDescriptor {
         label: Some(label),
         size: Extent3d {

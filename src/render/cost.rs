@@ -12,6 +12,7 @@ use bevy::{
 
 use super::{
     atlas::{ShadowAtlas, ShadowResult},
+    blur::BlurTarget,
     caster::CasterStatistics,
 };
 
@@ -20,15 +21,15 @@ use super::{
 pub struct ShadowCost {
     /// Bevy's array of directional shadow maps: cascades, or the fallback map and the mask layer of the full path.
     pub bevy_maps: u64,
-    /// [`ShadowAtlas`].
+    /// [`ShadowAtlas`], both where there are two.
     pub atlas: u64,
-    /// [`ShadowResult`].
+    /// [`ShadowResult`], and the texture that its blur goes to and fro between.
     pub result: u64,
     /// Indirect draws of the caster phase and their counts.
     pub caster_buffers: u64,
     /// Draw calls into Bevy's maps: one per multi-draw of a batch set, per batch, and per mesh that cannot be batched.
     pub bevy_draw_calls: u64,
-    /// Draw calls into the atlas: one multi-draw per light view and bin.
+    /// Draw calls into the atlases: one multi-draw per light view and bin.
     pub atlas_draw_calls: u64,
 }
 
@@ -55,19 +56,25 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
         .copied()
         .unwrap_or_default();
     let lights = camera.get::<ViewLightEntities>();
+    let is_layered = camera.get::<ShadowAtlas>().is_some_and(|atlas| atlas.second.is_some());
+    let passes = if is_layered { 2 } else { 1 };
     ShadowCost {
         bevy_maps: camera
             .get::<ViewShadowBindings>()
             .map_or(0, |bindings| texture_bytes(&bindings.directional_light_depth_texture)),
-        atlas: camera
-            .get::<ShadowAtlas>()
-            .map_or(0, |atlas| texture_bytes(&atlas.texture)),
+        atlas: camera.get::<ShadowAtlas>().map_or(0, |atlas| {
+            let second = atlas.second.as_ref().map_or(0, |(texture, _)| texture_bytes(texture));
+            texture_bytes(&atlas.texture) + second
+        }),
         result: camera
             .get::<ShadowResult>()
-            .map_or(0, |result| texture_bytes(&result.texture)),
+            .map_or(0, |result| texture_bytes(&result.texture))
+            + camera
+                .get::<BlurTarget>()
+                .map_or(0, |target| texture_bytes(&target.texture)),
         caster_buffers: counts.buffer_bytes,
         bevy_draw_calls: lights.map_or(0, |lights| bevy_draw_calls(render_world, lights)),
-        atlas_draw_calls: u64::from(counts.light_views) * u64::from(counts.bins),
+        atlas_draw_calls: u64::from(counts.light_views) * u64::from(counts.bins) * passes,
     }
 }
 

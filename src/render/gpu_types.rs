@@ -21,7 +21,7 @@ pub struct GpuLightView {
 }
 
 /// Everything that the apply pass reads besides textures.
-#[derive(Clone, Copy, Debug, ShaderType)]
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct ApplyParameters {
     /// The first `light_view_count` are in use.
     pub light_views: [GpuLightView; MAX_LIGHT_VIEWS],
@@ -33,18 +33,39 @@ pub struct ApplyParameters {
     pub shadow_distance: f32,
     /// 0 by depth, 1 best resolution, 2 as Bevy's cascades.
     pub selection: u32,
-    /// 0 hard, 1 bilinear.
+    /// 0 hard, 1 bilinear, 2 disc, 3 penumbra.
     pub filter_kind: u32,
-    /// 0 none, 1 constant, 2 footprint.
+    /// 0 none, 1 constant, 2 footprint, 3 slope, 4 slope in the world, 5 receiver plane.
     pub bias_kind: u32,
-    /// Metres (constant) or factor (footprint).
+    /// Metres (constant, receiver plane) or factor.
     pub bias_value: f32,
     /// 0..=1, for the heat map.
     pub opacity: f32,
+    /// Smallest steps of depth (slope).
+    pub bias_units: f32,
+    /// Lookups on the disc.
+    pub filter_taps: u32,
+    /// The largest radius of the disc, metres across the light; 0 for filters of fixed size in texels.
+    pub filter_radius: f32,
+    /// Taps of the blocker search.
+    pub search_taps: u32,
+    /// Tangent of half the sun's angular diameter.
+    pub sun_tangent: f32,
     /// Unused.
-    pub padding_a: f32,
-    /// Unused.
-    pub padding_b: f32,
+    pub padding: f32,
+}
+
+/// One pass of the eye-space blur.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuEyeBlur {
+    /// Iterations of near pixels.
+    pub iterations: u32,
+    /// View depth up to which pixels take part in all of them, metres.
+    pub full_depth: f32,
+    /// This iteration, from 0.
+    pub iteration: u32,
+    /// 0 along the rows, 1 along the columns.
+    pub axis: u32,
 }
 
 /// One bin of the caster phase.

@@ -10,6 +10,7 @@
 //!             └─► plan:  bins of the phase, buffers                                          caster::plan
 //!             └─► cull and draw all light views into the atlas                               caster::pass
 //!             └─► apply: shadow result of every pixel                                        apply
+//!             └─► blur:  the same, to and fro, if asked for                                  blur
 //!             └─► bridge: result ──► the sun's extra shadow layer                            bridge
 //!             Bevy's main pass, forward or deferred, any material, reads the layer
 //! ```
@@ -21,6 +22,7 @@
 
 pub mod apply;
 pub mod atlas;
+pub mod blur;
 pub mod bridge;
 pub mod camera;
 pub mod capabilities;
@@ -73,6 +75,8 @@ pub enum SunShadowPasses {
     DrawCasters,
     /// Writes the shadow result of every pixel.
     Apply,
+    /// Blurs the shadow result, if the sun's settings say so.
+    Blur,
     /// Hands the result to Bevy's lighting.
     Bridge,
 }
@@ -88,6 +92,7 @@ impl Plugin for RenderPlugin {
             bridge::BridgePlugin,
             caster::CasterPlugin,
             apply::ApplyPlugin,
+            blur::BlurPlugin,
             drop_in::DropInPlugin,
             heat_map::HeatMapPlugin,
         ));
@@ -95,7 +100,7 @@ impl Plugin for RenderPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        use SunShadowPasses::{Apply, Bridge, DrawCasters, Plan};
+        use SunShadowPasses::{Apply, Blur, Bridge, DrawCasters, Plan};
         render_app
             .add_systems(
                 Render,
@@ -106,7 +111,7 @@ impl Plugin for RenderPlugin {
             )
             .configure_sets(
                 Core3d,
-                (Plan, DrawCasters, Apply, Bridge)
+                (Plan, DrawCasters, Apply, Blur, Bridge)
                     .chain()
                     .after(Core3dSystems::Prepass)
                     .after(per_view_shadow_pass::<LATE_SHADOW_PASS>)

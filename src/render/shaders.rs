@@ -20,12 +20,14 @@ macro_rules! embed_shader {
 }
 
 /// Modules that others import: loaded once and kept for the life of the app.
-const LIBRARIES: [&str; 5] = [
+const LIBRARIES: [&str; 7] = [
     "types.wgsl",
     "spaces.wgsl",
     "bias.wgsl",
     "surface.wgsl",
     "selection.wgsl",
+    "filter.wgsl",
+    "depth_offset.wgsl",
 ];
 
 /// The lookup that [`bridge`](super::bridge) appends to Bevy's shadow module.
@@ -44,9 +46,13 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "bias.wgsl");
     embed_shader!(registry, "surface.wgsl");
     embed_shader!(registry, "selection.wgsl");
+    embed_shader!(registry, "filter.wgsl");
+    embed_shader!(registry, "depth_offset.wgsl");
     embed_shader!(registry, "apply/apply_views.wgsl");
+    embed_shader!(registry, "blur/eye_blur.wgsl");
     embed_shader!(registry, "bridge/write_layer.wgsl");
     embed_shader!(registry, "caster/cull_casters.wgsl");
+    embed_shader!(registry, "caster/peel.wgsl");
     embed_shader!(registry, "heat_map/texel_ratio.wgsl");
     let server = app.world().resource::<AssetServer>();
     let handles = LIBRARIES.iter().map(|name| load(server, name)).collect();

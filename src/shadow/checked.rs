@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::settings::{ShadowBias, ShadowPath, SunShadows};
+use super::settings::{ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows};
 use crate::maths::{split::SplitScheme, warp::Warp};
 
 /// Sides of maps that can be asked for, in texels.
@@ -51,7 +51,21 @@ pub enum Correction {
     /// `near`.
     #[error("SunShadows::near must be a finite number, 0 or more: the camera's near plane is used")]
     Near,
+    /// `bias` on the drop-in path.
+    #[error("SunShadows::bias must be none, constant or footprint on the drop-in path: the default is used")]
+    DropInBias,
+    /// `filter`.
+    #[error(
+        "SunShadows::filter: taps must be 8 to 64, radius 0 to 2 m, the sun's diameter 0 to 10 degrees: the nearest are used"
+    )]
+    Filter,
+    /// `blur`.
+    #[error("SunShadows::blur: iterations must be 0 to 16 and full_depth more than 0: the nearest, or 10 m, are used")]
+    Blur,
 }
+
+/// Lookups on a disc that can be asked for.
+pub const TAPS: RangeInclusive<u32> = 8..=64;
 
 /// The settings with every value in range, and what had to be corrected.
 pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
@@ -106,12 +120,37 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         settings.warp = Warp::Lispsm;
         corrections.push(Correction::DropInWarp);
     }
+    if settings.path == ShadowPath::DropIn && !settings.bias.is_for_drop_in() {
+        settings.bias = ShadowBias::default();
+        corrections.push(Correction::DropInBias);
+    }
     let is_size = |value: f32| value.is_finite() && value >= 0.0;
-    if let ShadowBias::Constant { metres: bias } | ShadowBias::Footprint { scale: bias } = &mut settings.bias
-        && !is_size(*bias)
-    {
-        *bias = 0.0;
+    let mut is_biased_wrongly = false;
+    for number in bias_numbers(&mut settings.bias) {
+        if !is_size(*number) {
+            *number = 0.0;
+            is_biased_wrongly = true;
+        }
+    }
+    if is_biased_wrongly {
         corrections.push(Correction::Bias);
+    }
+    let filter = checked_filter(settings.filter);
+    if filter != settings.filter {
+        settings.filter = filter;
+        corrections.push(Correction::Filter);
+    }
+    let blur = ShadowBlur {
+        iterations: settings.blur.iterations.min(ShadowBlur::MAX_ITERATIONS),
+        full_depth: if settings.blur.full_depth > 0.0 {
+            settings.blur.full_depth
+        } else {
+            ShadowBlur::NONE.full_depth
+        },
+    };
+    if blur != settings.blur {
+        settings.blur = blur;
+        corrections.push(Correction::Blur);
     }
     if settings.distance.is_some_and(|distance| !(distance > 0.0)) {
         settings.distance = None;
@@ -122,6 +161,46 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         corrections.push(Correction::Near);
     }
     (settings, corrections)
+}
+
+/// The lengths and factors of a bias.
+fn bias_numbers(bias: &mut ShadowBias) -> Vec<&mut f32> {
+    match bias {
+        ShadowBias::None => Vec::new(),
+        ShadowBias::Constant { metres: number }
+        | ShadowBias::ReceiverPlane { metres: number }
+        | ShadowBias::Footprint { scale: number }
+        | ShadowBias::WorldSlope { factor: number } => vec![number],
+        ShadowBias::Slope { factor, units } => vec![factor, units],
+    }
+}
+
+/// NaN becomes the default.
+fn checked_filter(filter: ShadowFilter) -> ShadowFilter {
+    let within = |value: f32, largest: f32, default: f32| {
+        if value.is_nan() {
+            default
+        } else {
+            value.clamp(0.0, largest)
+        }
+    };
+    let taps_of = |taps: u32| taps.clamp(*TAPS.start(), *TAPS.end());
+    match filter {
+        ShadowFilter::Hard | ShadowFilter::Pcf2 => filter,
+        ShadowFilter::Poisson { taps, radius } => ShadowFilter::Poisson {
+            taps: taps_of(taps),
+            radius: within(radius, ShadowFilter::LARGEST_RADIUS, ShadowFilter::POISSON_RADIUS),
+        },
+        ShadowFilter::Pcss {
+            taps,
+            radius,
+            sun_diameter,
+        } => ShadowFilter::Pcss {
+            taps: taps_of(taps),
+            radius: within(radius, ShadowFilter::LARGEST_RADIUS, ShadowFilter::PCSS_RADIUS),
+            sun_diameter: within(sun_diameter, ShadowFilter::LARGEST_SUN, ShadowFilter::SUN_DIAMETER),
+        },
+    }
 }
 
 /// Warns of every kind of correction once.
@@ -185,6 +264,50 @@ mod tests {
         assert_eq!((right.distance, right.near), (None, None));
         assert_eq!(corrections.len(), 8, "{corrections:?}");
         assert_eq!(checked(&right).1, Vec::new(), "corrected settings are right");
+    }
+
+    #[test]
+    fn filters_biases_and_blurs_are_limited() {
+        let (right, corrections) = checked(&SunShadows {
+            filter: ShadowFilter::Pcss {
+                taps: 1,
+                radius: f32::NAN,
+                sun_diameter: 400.0,
+            },
+            bias: ShadowBias::Slope {
+                factor: 2.0,
+                units: f32::NAN,
+            },
+            blur: ShadowBlur {
+                iterations: 17,
+                full_depth: f32::NAN,
+            },
+            ..SunShadows::HIGH
+        });
+        let filter = ShadowFilter::Pcss {
+            taps: 8,
+            radius: ShadowFilter::PCSS_RADIUS,
+            sun_diameter: 10.0,
+        };
+        assert_eq!(right.filter, filter);
+        assert_eq!(
+            right.bias,
+            ShadowBias::Slope {
+                factor: 2.0,
+                units: 0.0
+            }
+        );
+        assert_eq!((right.blur.iterations, right.blur.full_depth), (16, 10.0));
+        assert_eq!(corrections, [Correction::Bias, Correction::Filter, Correction::Blur]);
+        let (right, corrections) = checked(&SunShadows {
+            path: ShadowPath::DropIn,
+            bias: ShadowBias::ReceiverPlane { metres: 0.1 },
+            ..SunShadows::HIGH
+        });
+        assert_eq!(
+            (right.bias, corrections),
+            (ShadowBias::default(), vec![Correction::DropInBias])
+        );
     }
 
     #[test]

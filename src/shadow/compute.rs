@@ -18,7 +18,8 @@ use crate::maths::{
     warp::Warp,
 };
 
-/// Texels that the full path leaves free at the border of a map: its widest filter reads one texel beyond a point.
+/// Texels that the full path leaves free at the border of a map: filters read one texel beyond a point or a tap. Filters
+/// with a size in the world get their radius on top ([`world_radius`](super::settings::ShadowFilter::world_radius)).
 const GUARD_TEXELS: f64 = 2.0;
 
 /// View depths between which a camera sees receivers (Stingl, section 3.3.1). `None` when there is nothing to shadow:
@@ -113,7 +114,7 @@ impl Fitter<'_> {
             warp,
             map_size: self.settings.map_size,
             guard_texels: GUARD_TEXELS,
-            guard_metres: 0.0,
+            guard_metres: f64::from(self.settings.filter.world_radius()),
             options: FitOptions::default(),
         };
         let fit = match self.settings.path {

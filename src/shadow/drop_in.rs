@@ -58,6 +58,10 @@ pub fn biases(bias: ShadowBias) -> (f32, f32) {
         ShadowBias::None => (0.0, 0.0),
         ShadowBias::Constant { metres } => (metres, 0.0),
         ShadowBias::Footprint { scale } => (DEPTH_BIAS * scale, NORMAL_BIAS * scale),
+        // Replaced before ([`checked`](super::checked::checked)).
+        ShadowBias::Slope { .. } | ShadowBias::WorldSlope { .. } | ShadowBias::ReceiverPlane { .. } => {
+            biases(ShadowBias::default())
+        }
     }
 }
 

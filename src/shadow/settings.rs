@@ -27,6 +27,10 @@ pub struct SunShadows {
     pub filter: ShadowFilter,
     /// How self-shadowing is avoided.
     pub bias: ShadowBias,
+    /// What the maps store. Means nothing on the drop-in path, which stores the nearest surface.
+    pub store: ShadowStore,
+    /// Blur of the shadow result on the screen. Means nothing on the drop-in path, which has no shadow result.
+    pub blur: ShadowBlur,
     /// View depth up to which shadows are computed, in metres. `None`: up to the camera's far plane.
     pub distance: Option<f32>,
     /// View depth from which shadows are computed, in metres. `None`: the camera's near plane, moved to the nearest
@@ -73,14 +77,110 @@ pub enum PartitionSelection {
     BestResolution,
 }
 
-/// How the depth comparison is filtered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+/// How the depth comparison is filtered (Stingl, section 3.6).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 pub enum ShadowFilter {
     /// One comparison: blocky at magnification, exact for measurements.
     Hard,
     /// Bilinear weights of four comparisons.
     #[default]
     Pcf2,
+    /// Bilinear lookups on a disc of constant size in the world, whatever the partition and the warp, turned by another
+    /// angle in every pixel ([`maths::filter`](crate::maths::filter)). Hides texels that are smaller than the disc.
+    Poisson {
+        /// Lookups, 8..=64; they cost as much each as [`ShadowFilter::Pcf2`].
+        taps: u32,
+        /// Radius in metres across the light, up to 2; useful 0.01..=0.2.
+        radius: f32,
+    },
+    /// The same with the radius of the sun's penumbra, from a search for blockers (percentage-closer soft shadows).
+    /// Where the search meets none, the four texels around the point decide.
+    Pcss {
+        /// Lookups of the filter, 8..=64; the search takes as many single comparisons.
+        taps: u32,
+        /// Radius of the search and of the widest penumbra, metres across the light, up to 2.
+        radius: f32,
+        /// Angular diameter of the sun in degrees, up to 10; from the earth 0.53.
+        sun_diameter: f32,
+    },
+}
+
+impl ShadowFilter {
+    /// Lookups on a disc when nothing else is said.
+    pub const TAPS: u32 = 16;
+    /// Radius in metres of [`ShadowFilter::Poisson`] when nothing else is said.
+    pub const POISSON_RADIUS: f32 = 0.05;
+    /// Radius in metres of [`ShadowFilter::Pcss`] when nothing else is said: the penumbra of an edge 54 m away.
+    pub const PCSS_RADIUS: f32 = 0.25;
+    /// Angular diameter of the sun in degrees from the earth.
+    pub const SUN_DIAMETER: f32 = 0.53;
+    /// The largest radius in metres.
+    pub const LARGEST_RADIUS: f32 = 2.0;
+    /// The largest angular diameter in degrees.
+    pub const LARGEST_SUN: f32 = 10.0;
+
+    /// How far around a point, in metres across the light, the filter reads beyond its own texels.
+    #[must_use]
+    pub fn world_radius(self) -> f32 {
+        match self {
+            Self::Hard | Self::Pcf2 => 0.0,
+            Self::Poisson { radius, .. } | Self::Pcss { radius, .. } => radius,
+        }
+    }
+}
+
+/// What the maps store (Scherzer 2005, section 4.2). All but the first move the stored depth into the casters, where no
+/// lit surface is near it, and need closed meshes: light leaks where they touch or are thin.
+///
+/// Linear depth is not among them: the warp's w is the same all along a light ray, so comparing depths decides the same
+/// with and without the division by it, and the offsets that differ, those by a constant distance, are taken in metres
+/// (`ShadowBias::Constant`) and turned into depth at the point where they are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+pub enum ShadowStore {
+    /// The nearest surface.
+    #[default]
+    Nearest,
+    /// The nearest face that looks away from the light. Casters with two-sided materials, such as leaves, store the nearest.
+    BackFaces,
+    /// The second surface from the light (Wang, Molnar 1994), by drawing the casters twice. Casters whose material
+    /// discards pixels, such as leaves, store the nearest. Doubles the memory of the maps.
+    SecondDepth,
+    /// The middle between the first two (Woo 1992), likewise.
+    Midpoint,
+}
+
+impl ShadowStore {
+    /// Whether the casters are drawn twice, into a second atlas.
+    #[must_use]
+    pub fn is_layered(self) -> bool {
+        matches!(self, Self::SecondDepth | Self::Midpoint)
+    }
+}
+
+/// Blur of the shadow result on the screen, within each surface, less with distance (Scherzer 2005, section 4.3;
+/// [`maths::filter::eye_blur`](crate::maths::filter::eye_blur)). Hides stripes on surfaces that the light grazes, and detail.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+pub struct ShadowBlur {
+    /// Iterations of near pixels, 0..=16; 0: none. Each costs two screen-sized passes.
+    pub iterations: u32,
+    /// View depth in metres up to which pixels take part in all of them; infinite: everywhere.
+    pub full_depth: f32,
+}
+
+impl ShadowBlur {
+    /// No blur.
+    pub const NONE: Self = Self {
+        iterations: 0,
+        full_depth: 10.0,
+    };
+    /// The largest number of iterations.
+    pub const MAX_ITERATIONS: u32 = 16;
+}
+
+impl Default for ShadowBlur {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// How self-shadowing is avoided.
@@ -101,11 +201,40 @@ pub enum ShadowBias {
         /// path a factor on both numbers.
         scale: f32,
     },
+    /// The change of depth over one texel on the receiver's plane, along the map's axis where it is larger, times a
+    /// factor, and a number of smallest steps: the polygon offset of graphics hardware (Scherzer 2005, section 4.2, takes
+    /// 2 and 4). Not on the drop-in path.
+    Slope {
+        /// Depth spans of a texel.
+        factor: f32,
+        /// Smallest steps of single precision.
+        units: f32,
+    },
+    /// A factor times the tangent between normal and light times the local side of a texel, in metres: the same in the
+    /// world instead of the map (Kozlov 2004, after Scherzer). Not on the drop-in path.
+    WorldSlope {
+        /// Sides of a texel.
+        factor: f32,
+    },
+    /// Every comparison uses the depth of the receiver's plane at the texel that it reads, and a constant distance. Not on
+    /// the drop-in path.
+    ReceiverPlane {
+        /// Metres.
+        metres: f32,
+    },
 }
 
 impl Default for ShadowBias {
     fn default() -> Self {
         Self::Footprint { scale: 1.0 }
+    }
+}
+
+impl ShadowBias {
+    /// Whether the drop-in path has it: Bevy's lookup knows no receiver plane.
+    #[must_use]
+    pub fn is_for_drop_in(self) -> bool {
+        matches!(self, Self::None | Self::Constant { .. } | Self::Footprint { .. })
     }
 }
 
@@ -158,6 +287,8 @@ impl SunShadows {
             selection: PartitionSelection::BestResolution,
             filter: ShadowFilter::Pcf2,
             bias: ShadowBias::Footprint { scale: 1.0 },
+            store: ShadowStore::Nearest,
+            blur: ShadowBlur::NONE,
             distance: None,
             near: None,
             fallback_map: true,

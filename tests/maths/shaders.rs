@@ -5,6 +5,7 @@ use naga::{
     valid::{Capabilities, ValidationFlags, Validator},
 };
 
+const TYPES: &str = include_str!("../../shaders/types.wgsl");
 const SPACES: &str = include_str!("../../shaders/spaces.wgsl");
 const BIAS: &str = include_str!("../../shaders/bias.wgsl");
 const SURFACE: &str = include_str!("../../shaders/surface.wgsl");
@@ -69,6 +70,7 @@ fn filters_compile_with_the_functions_of_their_twins() {
     for name in [
         "constant_offset",
         "slope_scaled_offset",
+        "texel_side",
         "world_slope_offset",
         "texel_span",
         "float_step",
@@ -90,7 +92,7 @@ fn twin_functions(source: &str) -> Vec<String> {
 
 #[test]
 fn the_blur_compiles_with_the_functions_of_its_twin() {
-    let module = compose(&[ENGINE, SPACES, SURFACE, EYE_BLUR]);
+    let module = compose(&[ENGINE, TYPES, SPACES, SURFACE, EYE_BLUR]);
     let names = functions(&module);
     for name in twin_functions(include_str!("../../src/maths/filter/eye_blur.rs")) {
         assert!(names.contains(&name), "{name} has no twin among {names:?}");

@@ -1,11 +1,14 @@
 //! Render tests: headless, on whatever Vulkan driver there is. Without one they fail and name the package to install.
 
+mod blur;
 mod guard;
 mod harness;
 mod heat_map;
 mod identity;
+mod layers;
 mod lighting;
 mod lookup;
 mod reference;
+mod softness;
 mod stability;
 mod truth;

@@ -14,15 +14,15 @@ use umbrage::{
 
 use crate::harness::{Harness, eye};
 
-const SIZE: UVec2 = UVec2::new(240, 135);
+pub(crate) const SIZE: UVec2 = UVec2::new(240, 135);
 
-struct Cuboid3 {
-    min: DVec3,
-    max: DVec3,
+pub(crate) struct Cuboid3 {
+    pub(crate) min: DVec3,
+    pub(crate) max: DVec3,
 }
 
 /// A box, a slab that floats, and poles at several distances.
-fn boxes() -> Vec<Cuboid3> {
+pub(crate) fn boxes() -> Vec<Cuboid3> {
     let at = |x: f64, y: f64, z: f64, sx: f64, sy: f64, sz: f64| Cuboid3 {
         min: DVec3::new(x - sx / 2.0, y, z - sz / 2.0),
         max: DVec3::new(x + sx / 2.0, y + sy, z + sz / 2.0),
@@ -37,7 +37,7 @@ fn boxes() -> Vec<Cuboid3> {
 }
 
 /// Distance to the nearest surface and its normal.
-fn trace(origin: DVec3, direction: DVec3, boxes: &[Cuboid3]) -> Option<(f64, DVec3, usize)> {
+pub(crate) fn trace(origin: DVec3, direction: DVec3, boxes: &[Cuboid3]) -> Option<(f64, DVec3, usize)> {
     let mut nearest: Option<(f64, DVec3, usize)> = None;
     let mut keep = |t: f64, normal: DVec3, id: usize| {
         if t > 0.0 && nearest.is_none_or(|(other, ..)| t < other) {
@@ -71,15 +71,19 @@ fn trace(origin: DVec3, direction: DVec3, boxes: &[Cuboid3]) -> Option<(f64, DVe
     nearest
 }
 
-/// Share of wrong pixels among those where truth is certain, (false shadow, false lit, certain pixels).
-fn wrong_shares(result: &[f32], eye: Transform, light_dir: DVec3, boxes: &[Cuboid3]) -> (f64, f64, usize) {
+/// Direction of the ray through a place in the picture, in pixels; not of unit length.
+pub(crate) fn viewing_ray(eye: Transform, x: f64, y: f64) -> DVec3 {
     let tan = (std::f64::consts::FRAC_PI_4 / 2.0).tan();
     let aspect = f64::from(SIZE.x) / f64::from(SIZE.y);
-    let (right, up, forward) = (eye.right().as_dvec3(), eye.up().as_dvec3(), eye.forward().as_dvec3());
+    let ndc = (x / f64::from(SIZE.x) * 2.0 - 1.0, 1.0 - y / f64::from(SIZE.y) * 2.0);
+    eye.forward().as_dvec3() + eye.right().as_dvec3() * (ndc.0 * tan * aspect) + eye.up().as_dvec3() * (ndc.1 * tan)
+}
+
+/// Share of wrong pixels among those where truth is certain, (false shadow, false lit, certain pixels).
+fn wrong_shares(result: &[f32], eye: Transform, light_dir: DVec3, boxes: &[Cuboid3]) -> (f64, f64, usize) {
     let origin = eye.translation.as_dvec3();
     let hit = |x: f64, y: f64| {
-        let ndc = (x / f64::from(SIZE.x) * 2.0 - 1.0, 1.0 - y / f64::from(SIZE.y) * 2.0);
-        let direction = forward + right * (ndc.0 * tan * aspect) + up * (ndc.1 * tan);
+        let direction = viewing_ray(eye, x, y);
         trace(origin, direction, boxes).map(|(t, normal, id)| (origin + t * direction, normal, id))
     };
     let (mut false_shadow, mut false_lit, mut certain) = (0, 0, 0);
@@ -113,7 +117,7 @@ fn wrong_shares(result: &[f32], eye: Transform, light_dir: DVec3, boxes: &[Cuboi
 }
 
 /// A harness with the ground plane and the boxes.
-fn harness_with(boxes: &[Cuboid3]) -> Harness {
+pub(crate) fn harness_with(boxes: &[Cuboid3]) -> Harness {
     let mut harness = Harness::new(SIZE, eye());
     let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
     let plane = harness.mesh(Plane3d::default().mesh().size(120.0, 120.0));
@@ -177,7 +181,7 @@ fn traced_truth_is_analytic_truth() {
 }
 
 /// Shares of false shadow and of false lit pixels.
-fn errors(light_dir: Vec3, technique: &str) -> (f64, f64) {
+pub(crate) fn errors(light_dir: Vec3, technique: &str) -> (f64, f64) {
     let boxes = boxes();
     let mut harness = harness_with(&boxes);
     let light = harness.sun(light_dir, SunShadows::default());
@@ -210,14 +214,14 @@ fn technique_of(text: &str) -> Technique {
     text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-fn settings(text: &str) -> SunShadows {
+pub(crate) fn settings(text: &str) -> SunShadows {
     match technique_of(text) {
         Technique::Umbrage(settings) => settings,
         Technique::Bevy(_) => panic!("{text} is no technique of Umbrage"),
     }
 }
 
-const LIGHTS: [Vec3; 3] = [
+pub(crate) const LIGHTS: [Vec3; 3] = [
     Vec3::new(-0.5, -0.8, -0.4),
     Vec3::new(0.9, -0.45, 0.3),
     Vec3::new(0.1, -0.5, -0.9),

@@ -1,5 +1,6 @@
 //! `umbrage shoot`: pictures of scenes without a window.
 
+mod sheet;
 pub(super) mod stage;
 pub(super) mod stats;
 
@@ -209,6 +210,7 @@ impl Session<'_> {
         if let Some(judge) = &mut self.judge {
             judge.begin_shot(place);
         }
+        let first = self.stats.takes.len();
         for technique in &self.args.techniques {
             self.bar
                 .set_message(format!("{scene} {} {}", shot.name, technique.text));
@@ -217,6 +219,10 @@ impl Session<'_> {
             self.bar.inc(1);
         }
         stage.strike(&mut self.app);
+        if let Some(columns) = self.args.sheet {
+            let sheets = sheet::write(&self.args.out, &self.stats.takes[first..], columns)?;
+            self.names.extend(sheets);
+        }
         self.write_stats()
     }
 

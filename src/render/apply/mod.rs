@@ -108,10 +108,19 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
             padding: Vec2::ZERO,
         };
     }
-    let (bias_kind, bias_value) = match sun.settings.bias {
-        ShadowBias::None => (0, 0.0),
-        ShadowBias::Constant { metres } => (1, metres),
-        ShadowBias::Footprint { scale } => (2, scale),
+    let (bias_kind, bias_value, bias_units) = match sun.settings.bias {
+        ShadowBias::None => (0, 0.0, 0.0),
+        ShadowBias::Constant { metres } => (1, metres, 0.0),
+        ShadowBias::Footprint { scale } => (2, scale, 0.0),
+        ShadowBias::Slope { factor, units } => (3, factor, units),
+        ShadowBias::WorldSlope { factor } => (4, factor, 0.0),
+        ShadowBias::ReceiverPlane { metres } => (5, metres, 0.0),
+    };
+    let (filter_kind, filter_taps, sun_diameter) = match sun.settings.filter {
+        ShadowFilter::Hard => (0, 0, 0.0),
+        ShadowFilter::Pcf2 => (1, 0, 0.0),
+        ShadowFilter::Poisson { taps, .. } => (2, taps, 0.0),
+        ShadowFilter::Pcss { taps, sun_diameter, .. } => (3, taps, sun_diameter),
     };
     ApplyParameters {
         light_views,
@@ -122,15 +131,15 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
             PartitionSelection::Depth => 0,
             PartitionSelection::BestResolution => 1,
         },
-        filter_kind: match sun.settings.filter {
-            ShadowFilter::Hard => 0,
-            ShadowFilter::Pcf2 => 1,
-        },
+        filter_kind,
         bias_kind,
         bias_value,
-        opacity: 0.0,
-        padding_a: 0.0,
-        padding_b: 0.0,
+        bias_units,
+        filter_taps,
+        filter_radius: sun.settings.filter.world_radius(),
+        search_taps: filter_taps,
+        sun_tangent: (sun_diameter.to_radians() * 0.5).tan(),
+        ..default()
     }
 }
 
@@ -181,7 +190,7 @@ fn apply_views(
     let bind_group = ctx.render_device().create_bind_group(
         "umbrage_apply_views",
         &cache.get_bind_group_layout(&pipeline.layout),
-        &BindGroupEntries::sequential((view_binding, depth, normals, parameters, &atlas.view)),
+        &BindGroupEntries::sequential((view_binding, depth, normals, parameters, atlas.lookup_view())),
     );
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();

@@ -7,10 +7,12 @@
 //! 1. [`prepare`]: a *master* view carries the phase; one render view per light view gives the matrices.
 //! 2. [`queue`]: the casters of Bevy's first cascade (the master light view) into bins.
 //! 3. [`plan`]: a dry run of the phase lists the bins and sizes the buffers.
-//! 4. [`pass`]: a compute pass writes one indirect draw per (light view, caster); then all light views are drawn.
+//! 4. [`pass`]: a compute pass writes one indirect draw per (light view, caster); then all light views are drawn, and
+//!    drawn again where the maps store more than the nearest surface ([`layers`]).
 
 pub mod bounds;
 pub mod drawn;
+pub mod layers;
 pub mod pass;
 pub mod phase;
 pub mod plan;
@@ -80,7 +82,7 @@ impl Plugin for CasterPlugin {
             .init_resource::<DrawFunctions<Caster>>()
             .add_render_command::<Caster, DrawCaster>()
             .add_render_command::<Caster, DrawCasterDepthOnly>()
-            .add_systems(RenderStartup, pass::init_cull_pipeline)
+            .add_systems(RenderStartup, (pass::init_cull_pipeline, layers::init_caster_variants))
             .add_systems(
                 ExtractSchedule,
                 times.clock("extract_mesh_bounds", bounds::extract_mesh_bounds),

@@ -59,7 +59,7 @@ pub fn init_cull_pipeline(mut commands: Commands, cache: Res<PipelineCache>, ser
     commands.insert_resource(CullPipeline { layout, id });
 }
 
-/// Culls and draws the light views of the current camera.
+/// Culls and draws the light views of the current camera, into one atlas or two.
 pub fn draw_casters(
     world: &World,
     view: ViewQuery<(&CasterViews, &CasterPlan, &ShadowAtlas, &ExtractedSun)>,
@@ -131,35 +131,40 @@ pub fn draw_casters(
         }
     }
 
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("umbrage_draw_casters"),
-        color_attachments: &[],
-        depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-            view: &atlas.view,
-            depth_ops: Some(Operations {
-                load: LoadOp::Clear(0.0),
-                store: StoreOp::Store,
+    let targets = [(&atlas.view, &views.light_views, "umbrage_draw_casters")];
+    let second = atlas.second.as_ref();
+    let second = second.map(|(_, view)| (view, &views.second_views, "umbrage_draw_second_casters"));
+    for (target, light_views, label) in targets.into_iter().chain(second) {
+        let diagnostics = ctx.diagnostic_recorder();
+        let diagnostics = diagnostics.as_deref();
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: target,
+                depth_ops: Some(Operations {
+                    load: LoadOp::Clear(0.0),
+                    store: StoreOp::Store,
+                }),
+                stencil_ops: None,
             }),
-            stencil_ops: None,
-        }),
-        timestamp_writes: None,
-        occlusion_query_set: None,
-        multiview_mask: None,
-    });
-    let span = diagnostics.pass_span(&mut pass, "umbrage_draw_casters");
-    if ready {
-        for (index, light_view) in views.light_views.iter().enumerate() {
-            let rect = atlas.rect(index as u32);
-            pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
-            pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
-            if let Err(error) = phase.render(&mut pass, world, *light_view) {
-                error!("a light view could not be drawn: {error}");
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        let span = diagnostics.pass_span(&mut pass, label);
+        if ready {
+            for (index, light_view) in light_views.iter().enumerate() {
+                let rect = atlas.rect(index as u32);
+                pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
+                pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
+                if let Err(error) = phase.render(&mut pass, world, *light_view) {
+                    error!("a light view could not be drawn: {error}");
+                }
             }
         }
+        span.end(&mut pass);
     }
-    span.end(&mut pass);
 }
 
 fn create_buffer(

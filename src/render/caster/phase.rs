@@ -12,7 +12,7 @@ use bevy::{
     },
     pbr::{
         RenderMeshInstances, SetMaterialBindGroup, SetMeshBindGroup, SetPrepassEmptyMaterialBindGroup,
-        SetPrepassViewBindGroup, SetPrepassViewEmptyBindGroup, ShadowBatchSetKey, ShadowBinKey,
+        SetPrepassViewBindGroup, ShadowBatchSetKey, ShadowBinKey,
     },
     prelude::*,
     render::{
@@ -20,13 +20,14 @@ use bevy::{
         render_asset::RenderAssets,
         render_phase::{
             BinnedPhaseItem, CachedRenderPipelinePhaseItem, DrawFunctionId, PhaseItem, PhaseItemExtraIndex,
-            RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass,
+            RenderCommand, RenderCommandResult, TrackedRenderPass,
         },
         render_resource::{Buffer, CachedRenderPipelineId},
         sync_world::MainEntity,
     },
 };
 
+use super::layers::{SetCasterLayerBindGroup, SetCasterPipeline};
 use crate::render::gpu_types::CasterBin;
 
 /// A caster in the phase that all light views of a camera share.
@@ -195,9 +196,9 @@ impl<P: PhaseItem> RenderCommand<P> for DrawCasterMesh {
 
 /// Casters whose fragments the material decides (alpha mask).
 pub type DrawCaster = (
-    SetItemPipeline,
+    SetCasterPipeline,
     SetPrepassViewBindGroup<0>,
-    SetPrepassViewEmptyBindGroup<1>,
+    SetCasterLayerBindGroup,
     SetMeshBindGroup<2>,
     SetMaterialBindGroup<3>,
     DrawCasterMesh,
@@ -205,9 +206,9 @@ pub type DrawCaster = (
 
 /// Opaque casters: no material is bound.
 pub type DrawCasterDepthOnly = (
-    SetItemPipeline,
+    SetCasterPipeline,
     SetPrepassViewBindGroup<0>,
-    SetPrepassViewEmptyBindGroup<1>,
+    SetCasterLayerBindGroup,
     SetMeshBindGroup<2>,
     SetPrepassEmptyMaterialBindGroup<3>,
     DrawCasterMesh,

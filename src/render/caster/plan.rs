@@ -21,10 +21,11 @@ use bevy::{
 use super::{
     CasterCounts, CasterCulling, CasterStatistics,
     bounds::{LocalBounds, MeshBounds},
+    layers::prepare_layers,
     phase::{Caster, CollectBins, CollectedBin, DRAW_BYTES, LightViewDraws},
     prepare::CasterViews,
 };
-use crate::render::{atlas::ShadowAtlas, gpu_types::CasterBin};
+use crate::render::{atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CasterBin};
 
 /// On a camera's render entity: the bins of this frame and the buffers of their draws.
 #[derive(Component, Clone, Debug, Default)]
@@ -77,12 +78,17 @@ pub fn plan_casters(world: &mut World) {
             buffer_bytes,
         },
     );
-    for (index, light_view) in views.light_views.iter().enumerate() {
-        world.entity_mut(*light_view).insert(LightViewDraws {
-            index: index as u32,
-            instance_total,
-            indirect: indirect.clone(),
-        });
+    for light_views in [&views.light_views, &views.second_views] {
+        for (index, light_view) in light_views.iter().enumerate() {
+            world.entity_mut(*light_view).insert(LightViewDraws {
+                index: index as u32,
+                instance_total,
+                indirect: indirect.clone(),
+            });
+        }
+    }
+    if let Some(store) = world.get::<ExtractedSun>(camera).map(|sun| sun.settings.store) {
+        prepare_layers(world, camera, &views, store);
     }
     world.entity_mut(camera).insert(CasterPlan {
         bins,

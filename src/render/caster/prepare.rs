@@ -17,6 +17,7 @@ use bevy::{
 
 use super::{
     CasterStatistics,
+    layers::CasterLayer,
     phase::{Caster, CollectBins},
 };
 use crate::{
@@ -29,6 +30,9 @@ use crate::{
 
 /// Subview number of the master view; Bevy's own cascades count from 0.
 const MASTER_SUBVIEW: u32 = 1000;
+
+/// Subview number of the first view of the second atlas.
+const SECOND_SUBVIEW: u32 = 1500;
 
 /// On a camera's render entity: the views of its caster phase.
 #[derive(Component, Clone, Debug)]
@@ -45,6 +49,8 @@ pub struct CasterViews {
     pub light: Entity,
     /// One render view per light view.
     pub light_views: Vec<Entity>,
+    /// The same again for the second atlas, if there is one.
+    pub second_views: Vec<Entity>,
     /// The phase was made in this frame: every visible caster has to be queued, not only new ones.
     pub fresh: bool,
 }
@@ -81,6 +87,7 @@ pub fn prepare_caster_views(
                 cascade: cascade_entity,
                 light: sun.light,
                 light_views: Vec::new(),
+                second_views: Vec::new(),
                 fresh: true,
             },
         };
@@ -89,15 +96,11 @@ pub fn prepare_caster_views(
         views.cascade = cascade_entity;
         views.light = sun.light;
         views.fresh = !phases.contains_key(&retained_master);
-        for surplus in views
-            .light_views
-            .drain(sun.light_views.len().min(views.light_views.len())..)
-        {
-            commands.entity(surplus).despawn();
-        }
-        while views.light_views.len() < sun.light_views.len() {
-            views.light_views.push(commands.spawn_empty().id());
-        }
+        let (first_layer, second_layer) = CasterLayer::of(sun.settings.store);
+        let count = sun.light_views.len();
+        resize(&mut commands, &mut views.light_views, count);
+        let second_count = if second_layer.is_some() { count } else { 0 };
+        resize(&mut commands, &mut views.second_views, second_count);
 
         commands.entity(views.master).insert((
             ExtractedView {
@@ -121,12 +124,20 @@ pub fn prepare_caster_views(
             NoIndirectDrawing,
             CollectBins::default(),
         ));
-        for (index, (entity, light_view)) in views.light_views.iter().zip(&sun.light_views).enumerate() {
-            let mut retained = retained_master;
-            retained.subview_index = MASTER_SUBVIEW + 1 + index as u32;
-            commands
-                .entity(*entity)
-                .insert(render_view(light_view, atlas.rect(index as u32), retained));
+        for (entities, layer, first_number) in [
+            (&views.light_views, first_layer, MASTER_SUBVIEW + 1),
+            (&views.second_views, second_layer, SECOND_SUBVIEW),
+        ] {
+            for (index, (entity, light_view)) in (0..).zip(entities.iter().zip(&sun.light_views)) {
+                let mut retained = retained_master;
+                retained.subview_index = first_number + index;
+                let mut entity = commands.entity(*entity);
+                entity.insert(render_view(light_view, atlas.rect(index), retained));
+                match layer {
+                    Some(layer) => entity.insert(layer),
+                    None => entity.remove::<CasterLayer>(),
+                };
+            }
         }
         // Bevy's preprocessing fills the mesh uniforms of all directional views in this list.
         lights.lights.push(views.master);
@@ -143,7 +154,10 @@ pub fn prepare_caster_views(
     for camera in gone {
         statistics.0.remove(&camera);
         if let Some(views) = owned.remove(&camera) {
-            for entity in views.light_views.into_iter().chain([views.master]) {
+            for entity in (views.light_views.into_iter())
+                .chain(views.second_views)
+                .chain([views.master])
+            {
                 commands.entity(entity).despawn();
             }
         }
@@ -152,6 +166,16 @@ pub fn prepare_caster_views(
         }
     }
     phases.retain(|view, _| live.contains(view));
+}
+
+/// Spawns or despawns entities until there are so many.
+fn resize(commands: &mut Commands, entities: &mut Vec<Entity>, count: usize) {
+    for surplus in entities.drain(count.min(entities.len())..) {
+        commands.entity(surplus).despawn();
+    }
+    while entities.len() < count {
+        entities.push(commands.spawn_empty().id());
+    }
 }
 
 /// Leaves out the fallback map where the camera draws nothing that reads it: no transparent and no transmissive surface.

@@ -73,12 +73,8 @@ impl TexelHeatMap {
                 Selection::BestResolution => 1,
                 Selection::Cascades => 2,
             },
-            filter_kind: 0,
-            bias_kind: 0,
-            bias_value: 0.0,
             opacity: self.opacity,
-            padding_a: 0.0,
-            padding_b: 0.0,
+            ..default()
         }
     }
 }

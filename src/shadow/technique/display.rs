@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use super::{StockBias, Technique, parse::defaults};
+use super::{StockBias, Technique, lookup_keys, parse::defaults};
 use crate::{
     maths::{split::SplitScheme, warp::Warp},
-    shadow::settings::{ShadowBias, SunShadows},
+    shadow::settings::SunShadows,
 };
 
 /// The shortest text that means the same: only what differs from the defaults.
@@ -79,16 +79,7 @@ fn changes(settings: &SunShadows) -> Vec<String> {
     if settings.selection != default.selection {
         pairs.push("select=depth".to_owned());
     }
-    if settings.filter != default.filter {
-        pairs.push("filter=hard".to_owned());
-    }
-    if settings.bias != default.bias {
-        pairs.push(match settings.bias {
-            ShadowBias::None => "bias=none".to_owned(),
-            ShadowBias::Constant { metres } => format!("bias_m={metres}"),
-            ShadowBias::Footprint { scale } => format!("bias_scale={scale}"),
-        });
-    }
+    pairs.extend(lookup_keys::filter_and_bias_changes(settings, &default));
     if let Some(near) = settings.near {
         pairs.push(format!("near={near}"));
     }
@@ -108,6 +99,7 @@ fn changes(settings: &SunShadows) -> Vec<String> {
     if settings.fallback_map != default.fallback_map {
         pairs.push("fallback=off".to_owned());
     }
+    pairs.extend(lookup_keys::store_and_blur_changes(settings, &default));
     pairs
 }
 
@@ -116,7 +108,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::shadow::settings::{PartitionSelection, Partitions, ShadowFilter, ShadowPath};
+    use crate::shadow::settings::{
+        PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
+    };
 
     #[test]
     fn every_listed_technique_round_trips() {
@@ -149,18 +143,36 @@ mod tests {
             ],
             map_size in 16u32..=4096,
             selection in prop_oneof![Just(PartitionSelection::Depth), Just(PartitionSelection::BestResolution)],
-            filter in prop_oneof![Just(ShadowFilter::Hard), Just(ShadowFilter::Pcf2)],
+            filter in prop_oneof![
+                Just(ShadowFilter::Hard),
+                Just(ShadowFilter::Pcf2),
+                (8u32..=64, 0.0f32..=2.0).prop_map(|(taps, radius)| ShadowFilter::Poisson { taps, radius }),
+                (8u32..=64, 0.0f32..=2.0, 0.0f32..=10.0)
+                    .prop_map(|(taps, radius, sun_diameter)| ShadowFilter::Pcss { taps, radius, sun_diameter }),
+            ],
             bias in prop_oneof![
                 Just(ShadowBias::None),
                 (0.0f32..10.0).prop_map(|metres| ShadowBias::Constant { metres }),
                 (0.0f32..10.0).prop_map(|scale| ShadowBias::Footprint { scale }),
+                (0.0f32..10.0, 0.0f32..1e6).prop_map(|(factor, units)| ShadowBias::Slope { factor, units }),
+                (0.0f32..10.0).prop_map(|factor| ShadowBias::WorldSlope { factor }),
+                (0.0f32..10.0).prop_map(|metres| ShadowBias::ReceiverPlane { metres }),
             ],
+            (store, blur) in (
+                prop_oneof![
+                    Just(ShadowStore::Nearest),
+                    Just(ShadowStore::BackFaces),
+                    Just(ShadowStore::SecondDepth),
+                    Just(ShadowStore::Midpoint),
+                ],
+                (0u32..=16, 0.001f32..1e6).prop_map(|(iterations, full_depth)| ShadowBlur { iterations, full_depth }),
+            ),
             distance in prop::option::of(0.001f32..1e6),
             near in prop::option::of(0.001f32..1e6),
             fallback_map in any::<bool>(),
             count in Just(count),
         ) -> SunShadows {
-            let full = SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, distance, near, fallback_map };
+            let full = SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, store, blur, distance, near, fallback_map };
             match path {
                 ShadowPath::Full => full,
                 // What only the full path does keeps its default, Bevy draws maps of powers of two, and no warp is
@@ -170,6 +182,9 @@ mod tests {
                     warp: if full.warp.eta() > Warp::Lispsm.eta() { Warp::Lispsm } else { full.warp },
                     selection: SunShadows::HIGH.selection,
                     filter: SunShadows::HIGH.filter,
+                    bias: if full.bias.is_for_drop_in() { full.bias } else { SunShadows::HIGH.bias },
+                    store: SunShadows::HIGH.store,
+                    blur: SunShadows::HIGH.blur,
                     fallback_map: SunShadows::HIGH.fallback_map,
                     ..full
                 },

@@ -11,6 +11,7 @@
 //! grid of cells ([`default_map_size`]), so that techniques compare at equal memory.
 
 mod display;
+mod lookup_keys;
 mod parse;
 
 pub use parse::{KEYS, TechniqueError};

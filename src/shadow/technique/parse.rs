@@ -4,24 +4,24 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use super::{StockBias, Technique, cells_per_side, default_map_size};
+use super::{StockBias, Technique, cells_per_side, default_map_size, lookup_keys};
 use crate::{
     maths::{split::SplitScheme, warp::Warp},
-    shadow::settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+    shadow::settings::{PartitionSelection, Partitions, ShadowPath, SunShadows},
 };
 
 /// The keys after the colon, with the values that they take.
-pub const KEYS: [(&str, &str); 17] = [
+pub const KEYS: [(&str, &str); 24] = [
     ("path", "full|dropin"),
     ("size", "texels per side of one map, 16..=8192"),
     ("split", "log|practical|uniform|manual"),
     ("lambda", "0..=1, for split=practical"),
     ("splits", "ascending metres, e.g. 10/30/80, for split=manual"),
     ("select", "depth|best"),
-    ("filter", "hard|pcf2"),
-    ("bias", "none|footprint|constant"),
-    ("bias_m", "metres >= 0, for bias=constant"),
-    ("bias_scale", "a factor >= 0, for bias=footprint"),
+    ("filter", "hard|pcf2|poisson|pcss"),
+    ("bias", "none|footprint|constant|slope|world-slope|receiver"),
+    ("bias_m", "metres >= 0, for bias=constant and receiver"),
+    ("bias_scale", "a factor >= 0, for bias=footprint, slope and world-slope"),
     ("near", "auto|metres > 0"),
     ("distance", "auto|metres > 0"),
     ("eta", "-1..=1, for the warp free"),
@@ -29,13 +29,17 @@ pub const KEYS: [(&str, &str); 17] = [
     ("fallback", "on|off"),
     ("depth_bias", "metres >= 0, for bevy"),
     ("normal_bias", "texels >= 0, for bevy"),
+    ("bias_units", "smallest steps of depth >= 0, for bias=slope"),
+    ("taps", "8..=64, for filter=poisson and pcss"),
+    ("radius", "metres 0..=2 across the light, for filter=poisson and pcss"),
+    ("sun_diameter", "degrees 0..=10, for filter=pcss"),
+    ("store", "nearest|back|second|midpoint"),
+    ("blur", "iterations on the screen, 0..=16"),
+    ("blur_depth", "metres > 0 up to which pixels take part in all of blur="),
 ];
 
 /// What is planned but not built yet; named so that the error can say so.
 const LATER: [&str; 5] = ["fp", "tiled", "queried", "fitted", "optimal"];
-
-/// Metres of `bias=constant` when `bias_m` is not given.
-const CONSTANT_BIAS: f32 = 0.05;
 
 /// Side of the largest texture that every desktop adapter has.
 const MAX_ATLAS: u32 = 16_384;
@@ -175,7 +179,7 @@ pub(super) fn defaults(count: u32, warp: Warp) -> SunShadows {
 }
 
 /// Keys with their values, checked against [`KEYS`].
-struct Pairs<'a>(Vec<(&'static str, &'a str)>);
+pub(super) struct Pairs<'a>(Vec<(&'static str, &'a str)>);
 
 impl<'a> Pairs<'a> {
     fn parse(text: &'a str) -> Result<Self, TechniqueError> {
@@ -194,12 +198,16 @@ impl<'a> Pairs<'a> {
     }
 
     /// Whether a key was given.
-    fn has(&self, name: &str) -> bool {
+    pub(super) fn has(&self, name: &str) -> bool {
         self.0.iter().any(|(key, _)| *key == name)
     }
 
     /// The value of a key, if it was given, as `parse` reads it; `None` from `parse` is a wrong value.
-    fn read<T>(&self, name: &str, parse: impl FnOnce(&str) -> Option<T>) -> Result<Option<T>, TechniqueError> {
+    pub(super) fn read<T>(
+        &self,
+        name: &str,
+        parse: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<Option<T>, TechniqueError> {
         let Some(&(key, value)) = self.0.iter().find(|(key, _)| *key == name) else {
             return Ok(None);
         };
@@ -216,14 +224,14 @@ impl<'a> Pairs<'a> {
 }
 
 /// A finite number within a range.
-fn number(text: &str, range: impl std::ops::RangeBounds<f32>) -> Option<f32> {
+pub(super) fn number(text: &str, range: impl std::ops::RangeBounds<f32>) -> Option<f32> {
     text.parse::<f32>()
         .ok()
         .filter(|value| value.is_finite() && range.contains(value))
 }
 
 /// A length: above zero.
-fn metres(text: &str) -> Option<f32> {
+pub(super) fn metres(text: &str) -> Option<f32> {
     number(text, f32::MIN_POSITIVE..)
 }
 
@@ -261,7 +269,18 @@ fn stock_bias(pairs: &Pairs) -> Result<StockBias, TechniqueError> {
 }
 
 /// Keys of what only the full path does.
-const FULL_PATH_KEYS: [&str; 3] = ["select", "filter", "fallback"];
+const FULL_PATH_KEYS: [&str; 10] = [
+    "select",
+    "filter",
+    "fallback",
+    "bias_units",
+    "taps",
+    "radius",
+    "sun_diameter",
+    "store",
+    "blur",
+    "blur_depth",
+];
 
 fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, TechniqueError> {
     if let Some(key) = STOCK_KEYS.into_iter().find(|key| pairs.has(key)) {
@@ -320,14 +339,7 @@ fn settings_of(count: u32, warp: Warp, pairs: &Pairs) -> Result<SunShadows, Tech
     })? {
         settings.selection = selection;
     }
-    if let Some(filter) = pairs.read("filter", |text| match text {
-        "hard" => Some(ShadowFilter::Hard),
-        "pcf2" => Some(ShadowFilter::Pcf2),
-        _ => None,
-    })? {
-        settings.filter = filter;
-    }
-    settings.bias = bias_of(settings.bias, pairs)?;
+    lookup_keys::read(&mut settings, pairs)?;
     if let Some(near) = pairs.read("near", auto_or_metres)? {
         settings.near = near;
     }
@@ -416,44 +428,12 @@ fn warp_of(warp: Warp, pairs: &Pairs) -> Result<Warp, TechniqueError> {
     })
 }
 
-fn bias_of(default: ShadowBias, pairs: &Pairs) -> Result<ShadowBias, TechniqueError> {
-    let not_negative = |text: &str| number(text, 0.0..);
-    let metres = pairs.read("bias_m", not_negative)?;
-    let scale = pairs.read("bias_scale", not_negative)?;
-    let constant = ShadowBias::Constant {
-        metres: metres.unwrap_or(CONSTANT_BIAS),
-    };
-    let footprint = ShadowBias::Footprint {
-        scale: scale.unwrap_or(1.0),
-    };
-    let bias = pairs.read("bias", |text| match text {
-        "none" => Some(ShadowBias::None),
-        "constant" => Some(constant),
-        "footprint" => Some(footprint),
-        _ => None,
-    })?;
-    let bias = bias
-        .or(metres.map(|_| constant))
-        .or(scale.map(|_| footprint))
-        .unwrap_or(default);
-    if metres.is_some() && bias != constant {
-        return Err(TechniqueError::Together(
-            "`bias_m=` belongs to `bias=constant`".to_owned(),
-        ));
-    }
-    if scale.is_some() && bias != footprint {
-        return Err(TechniqueError::Together(
-            "`bias_scale=` belongs to `bias=footprint`".to_owned(),
-        ));
-    }
-    Ok(bias)
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::shadow::settings::{ShadowBias, ShadowBlur, ShadowFilter, ShadowStore};
 
     fn settings(text: &str) -> SunShadows {
         match text.parse() {
@@ -506,6 +486,8 @@ mod tests {
             selection: PartitionSelection::Depth,
             filter: ShadowFilter::Hard,
             bias: ShadowBias::Constant { metres: 0.2 },
+            store: ShadowStore::Nearest,
+            blur: ShadowBlur::NONE,
             distance: Some(300.0),
             near: Some(1.5),
             fallback_map: false,
@@ -579,6 +561,18 @@ mod tests {
             ("tsm:focus=1.5", &["`focus=1.5`", "0..=1"]),
             ("zp4:bias=none,bias_m=1", &["bias=constant"]),
             ("zp4:bias=constant,bias_scale=1", &["bias=footprint"]),
+            ("zp4:bias=footprint,bias_units=1", &["bias=slope"]),
+            ("zp4:path=dropin,bias=slope", &["`bias=slope`", "path=dropin"]),
+            ("zp4:path=dropin,store=back", &["`store=`", "path=dropin"]),
+            ("zp4:path=dropin,blur=2", &["`blur=`", "path=dropin"]),
+            ("zp4:taps=8", &["poisson", "pcss"]),
+            ("zp4:filter=hard,radius=1", &["poisson", "pcss"]),
+            ("zp4:filter=poisson,taps=7", &["`taps=7`", "8..=64"]),
+            ("zp4:filter=poisson,radius=2.5", &["`radius=2.5`", "0..=2"]),
+            ("zp4:filter=poisson,sun_diameter=1", &["filter=pcss"]),
+            ("zp4:blur=17", &["`blur=17`", "0..=16"]),
+            ("zp4:blur_depth=0", &["`blur_depth=0`"]),
+            ("zp4:store=linear", &["`store=linear`", "midpoint"]),
             ("zp4:near=-1", &["auto|metres"]),
         ] {
             let message = error(text);
