@@ -20,7 +20,7 @@ fn fetch_directional_shadow(
     // Fragments that are not the surface of the depth prepass (transparent ones) have no shadow result.
     //
     // NOTE: one branch, which depends on the pixel. Of branches on uniform values alone a software driver compiles a
-    // shader for every value of the buffer that it meets, one a frame here, and keeps them all.
+    // shader for every value of the buffer that it meets and keeps them all (155 in 15 s of a walk through the city).
     let tolerance = select(-1.0, 0.01 * abs(prepass_view_z), is_result);
     if abs(prepass_view_z - view_z) <= tolerance {
         let layer = i32((*light).depth_texture_base_index + last);
