@@ -74,15 +74,14 @@
 //! | A_fit of a spot light, e, e + v | [`light::PointLightView::focused`], [`light::aligned_axes`] | S 3.1.2, 3.2.1 |
 //! | linear z, near plane of Brabec | [`light::LinearDepth`], [`depth_offset::linear_depth`] | S 3.1.2; L 6.4 |
 //! | r, H | [`depth_offset::DepthFormat::step`]; 1 ÷ `depth_per_metre` | Scherzer 2005, 4.2 |
-//! | r_l, s_i | radius in metres; [`filter::kernel::kernel_per_metre`] | S 3.6.1, eq. 3.9 |
+//! | r_l, s_i, l_sc | radius in metres; [`filter::kernel::kernel_per_metre`]; the map's rectangle in the atlas | S 3.6.1, eq. 3.9 |
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
 //! | 64 levels of scale | [`stable::levels::ScaleLevels`] | S 3.5 |
 //! | minimum depth | [`near_plane::DepthChain`], [`near_plane::late_near`] | S 4.3, A.2 |
 //! | dp/ds; W, n, d, φ, ψ, dG/dt | [`error::simple_error`]; [`error::Beam`] | S eq. 2.1; 2.2 |
 //! | res_s*, res_t*; S_0 | [`error::LargestErrors::critical_resolution`]; [`error::LargestErrors::balanced_resolution`] | L 4.2, eq. 13, 14 |
 //! | n, f, Θ under light from overhead | [`analysis::overhead::OverheadRange`] | L 4.1 |
-//! | k, j; ZP, FP, W | `slices`, `maps`; [`analysis::maps::Partitioning`] | L 5.2, 5.3 |
-//! | e0', e1' | `edges` in [`analysis::faces::face_errors`] | L 5.1 |
+//! | k, j; ZP, FP, W | `slices`, `maps`; [`storage::PartitionScheme`] | L 5.2, 5.3 |
 //! | n_p, f_p | [`split::PseudoPlanes`] | S 4.2, eq. 4.1 |
 //! | FP, ZP, W | [`face::face_partitions`]; z-partitions: [`split::split_depths`]; [`warp::Warp`] | L 5.1 to 5.3 |
 //! | v · y | its sign chooses [`face::FaceSet`]; y is light-space z here | L 5.1 |
@@ -92,7 +91,6 @@
 //! | res_s, res_t for S_0 texels | [`storage::budgeted_size`], [`storage::allocate`] | L eq. 13, 14 |
 //! | mask | [`selection::selection_mask`] | L 6.3 |
 //! | firstSplit, lastSplit | [`cull::partition_range`] | S 3.3.6 |
-//! | r_l, s_i, l_sc | `world_radius`, [`kernel::kernel_radius`], `cell_share` | S 3.6.1, eq. 3.9 |
 //! | n (tiles), θ | `tiles_per_axis`; `margin`: [`virtual_map::tile::filter_margin`] | G 3.3, 3.5 |
 //! | a, b (projection) | `scale`, `offset` in [`virtual_map::picture::view_from_picture`] | G eq. 3.1 |
 //! | ξ, ξ_max (tiles) | `counts` of [`virtual_map::tile::Tile`], [`virtual_map::queried::QueriedMap::max_tiles_per_axis`] | G 4.3, 4.4 |
@@ -133,7 +131,6 @@ pub mod filter;
 pub mod fit;
 pub mod footprint;
 mod hull;
-pub mod kernel;
 pub mod light;
 pub mod light_plane;
 pub mod near_plane;

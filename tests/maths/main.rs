@@ -3,6 +3,7 @@
 mod analysis;
 mod axes;
 mod body;
+mod closed_forms;
 mod cull;
 mod depth_offset;
 mod eye_blur;

@@ -1,4 +1,4 @@
-//! Storage factors in closed form, sizes of maps and their places in the atlas (Lloyd, sections 4.2, 5.3, 6.1).
+//! Sizes of maps and their places in the atlas (Lloyd, sections 4.2, 5.3, 6.1).
 
 use bevy_math::{UVec2, UVec4};
 use proptest::prelude::*;
@@ -7,103 +7,15 @@ use umbrage::maths::{
     error::LargestErrors,
     face::{FaceOptions, face_partitions},
     storage::{
-        Allocation, AllocationState, LightPlace, Packing, PackingState, PartitionScheme, SizeLimits, allocate,
-        budgeted_size, closed_storage_factor, critical_size, crossover_maps, error_of_size, fill_atlas, pack,
+        Allocation, AllocationState, Packing, PackingState, SizeLimits, allocate, budgeted_size, critical_size,
+        error_of_size, fill_atlas, pack,
     },
 };
 
 use crate::support::{OPENING, close, huge_scene, light_at, papers_camera};
 
-use LightPlace::{AlongView, Overhead};
-use PartitionScheme::{FacesSlicedWarped, Logarithmic, Sliced, SlicedWarped};
-
 fn errors(across: f64, along: f64) -> LargestErrors {
     LargestErrors { across, along }
-}
-
-/// Lloyd, tables 3.1 and 3.2; Stingl, oracle 28.
-#[test]
-fn closed_forms_have_the_published_values() {
-    for (scheme, light, ratio, slices, expected) in [
-        (Sliced, Overhead, 1000.0, 1.0, 865_159.4),
-        (Sliced, Overhead, 1000.0, 2.0, 1677.3),
-        (Sliced, Overhead, 1000.0, 4.0, 90.06),
-        (Sliced, Overhead, 1000.0, 8.0, 22.53),
-        (Sliced, Overhead, 1000.0, 16.0, 11.52),
-        (Sliced, Overhead, 10.0, 3.0, 6.462),
-        (SlicedWarped, Overhead, 1000.0, 1.0, 865.16),
-        (SlicedWarped, Overhead, 1000.0, 2.0, 53.04),
-        (SlicedWarped, Overhead, 1000.0, 4.0, 16.02),
-        (SlicedWarped, Overhead, 1000.0, 8.0, 9.501),
-        (SlicedWarped, Overhead, 1000.0, 16.0, 7.481),
-        (FacesSlicedWarped, Overhead, 100.0, 5.0, 6.547),
-        (Logarithmic, Overhead, 1000.0, 1.0, 5.9823),
-        (Logarithmic, Overhead, 10.0, 9.0, 1.9941),
-        (Sliced, AlongView, 1000.0, 4.0, 126.5),
-        (SlicedWarped, AlongView, 100.0, 8.0, 25.30),
-        (Sliced, AlongView, 10.0, 1.0, 100.0),
-        (FacesSlicedWarped, AlongView, 1000.0, 1.0, 1999.0),
-        (FacesSlicedWarped, AlongView, 1000.0, 4.0, 37.99),
-        (FacesSlicedWarped, AlongView, 100.0, 16.0, 11.67),
-        (FacesSlicedWarped, AlongView, 10000.0, 2.0, 397.0),
-        (Logarithmic, AlongView, 1000.0, 1.0, 1.0 + 2.0 * 6.907_755),
-    ] {
-        let found = closed_storage_factor(scheme, light, ratio, slices, OPENING);
-        close(found, expected, 1.0e-3);
-    }
-}
-
-/// Lloyd, oracle 12: unwarped slices cost α^(1/k) times as much.
-#[test]
-fn a_warp_saves_the_ratio_of_a_slice() {
-    for slices in 1..=16 {
-        let slices = f64::from(slices);
-        let of = |scheme| closed_storage_factor(scheme, Overhead, 1000.0, slices, OPENING);
-        close(of(Sliced) / of(SlicedWarped), 1000.0_f64.powf(1.0 / slices), 1.0e-9);
-        assert!(of(SlicedWarped) > of(Logarithmic));
-    }
-}
-
-/// Lloyd, oracle 20 and figures 12 and 13: above, slices win at every number of maps; along the view they win up to the
-/// crossover, and have their best number of maps near 2 ln α.
-#[test]
-fn faces_win_with_many_maps_only() {
-    for ratio in [10.0_f64, 100.0, 1000.0, 10000.0] {
-        for maps in (4..=40).step_by(4).map(f64::from) {
-            let overhead = |scheme, slices| closed_storage_factor(scheme, Overhead, ratio, slices, OPENING);
-            assert!(overhead(Sliced, maps) < overhead(FacesSlicedWarped, maps / 4.0));
-        }
-        let behind = |maps: u32| closed_storage_factor(Sliced, AlongView, ratio, f64::from(maps), OPENING);
-        let best = (1..=40).min_by(|a, b| behind(*a).total_cmp(&behind(*b))).unwrap();
-        assert!((f64::from(best) - 2.0 * ratio.ln()).abs() < 1.0, "{best} maps");
-    }
-    close(
-        closed_storage_factor(Sliced, AlongView, 1000.0, 14.0, OPENING),
-        37.56,
-        1.0e-3,
-    );
-}
-
-/// Lloyd, table 3.4.
-#[test]
-fn the_crossover_has_the_published_values() {
-    for (ratio, maps) in [
-        (5.0, 4.02),
-        (10.0, 5.58),
-        (20.0, 7.15),
-        (50.0, 9.23),
-        (100.0, 10.80),
-        (200.0, 12.37),
-        (500.0, 14.44),
-        (1000.0, 16.02),
-        (2000.0, 17.59),
-        (5000.0, 19.67),
-        (10000.0, 21.24),
-        (100_000.0, 26.46),
-    ] {
-        close(crossover_maps(ratio).unwrap(), maps, 2.0e-3);
-    }
-    assert_eq!([1.0, 0.5, f64::NAN, f64::INFINITY].map(crossover_maps), [None; 4]);
 }
 
 /// Lloyd, section 3.11: 2428 × 1729 texels per warped slice for a picture of 1024².

@@ -6,9 +6,10 @@
 use bevy_math::DVec3;
 use thiserror::Error;
 
-use super::faces::{FaceWarp, FrustumFace, face_errors, selected_faces};
+use super::faces::{FaceWarp, face_errors};
 use crate::maths::{
     error::{AxisErrors, FittedMap, LargestErrors, LightSample, largest_errors, largest_errors_at},
+    face::{FaceOptions, face_partitions},
     fit::LightAxes,
     split::{SplitScheme, split_depths},
     view::ViewVolume,
@@ -117,17 +118,9 @@ pub struct Scheme {
     /// The warp of every map. Face partitions have their own n': [`TiltedWarp::Uniform`] switches it off,
     /// [`TiltedWarp::Guarded`] is [`FaceWarp::Guarded`], and all others mean the published rule.
     pub warp: TiltedWarp,
-    /// Face partitions; `None`: the frustum as a whole.
-    pub faces: Option<Faces>,
-}
-
-/// Face partitions (Lloyd, section 5.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Faces {
-    /// Sides and, where the light meets it, the near face, in a small unwarped map of its own.
-    All,
-    /// The sides alone: what the near face would need is left out.
-    SidesOnly,
+    /// Face partitions, sides and, where the light meets it, the near face in a small unwarped map of its own; false: the
+    /// frustum as a whole.
+    pub faces: bool,
 }
 
 impl Scheme {
@@ -137,14 +130,14 @@ impl Scheme {
             slices,
             splits: SplitScheme::Logarithmic,
             warp,
-            faces: None,
+            faces: false,
         }
     }
 
     /// FP+ZP+W with self-similar slices and the near face.
     pub fn faces(slices: usize) -> Self {
         Self {
-            faces: Some(Faces::All),
+            faces: true,
             ..Self::depth(slices, TiltedWarp::Lispsm)
         }
     }
@@ -155,31 +148,29 @@ impl Scheme {
         if view.far().is_infinite() {
             return Err(Unanalysable::Endless);
         }
+        if self.faces {
+            return Ok(self.storage_factor_of_faces(view, light_travel));
+        }
         let depths = split_depths(&self.splits, view.near(), view.far(), self.slices);
         let slices = depths.windows(2).map(|ends| view.split(ends[0], ends[1]));
-        let Some(faces) = self.faces else {
-            let maps = slices.map(|slice| frustum_map(&slice, light_travel, self.warp));
-            return maps.map(|map| map.map(|map| map.largest.storage_factor())).sum();
+        let maps = slices.map(|slice| frustum_map(&slice, light_travel, self.warp));
+        maps.map(|map| map.map(|map| map.largest.storage_factor())).sum()
+    }
+
+    fn storage_factor_of_faces(&self, view: &ViewVolume, light_travel: DVec3) -> f64 {
+        let warp = match self.warp {
+            TiltedWarp::Uniform => FaceWarp::None,
+            TiltedWarp::Guarded => FaceWarp::Guarded,
+            _ => FaceWarp::Bisector,
         };
-        let selected = selected_faces(view, light_travel);
-        let of_face = |view: &ViewVolume, face| {
-            let warp = match self.warp {
-                TiltedWarp::Uniform => FaceWarp::None,
-                TiltedWarp::Guarded => FaceWarp::Guarded,
-                _ => FaceWarp::Bisector,
-            };
-            face_errors(view, face, light_travel, warp).storage_factor()
+        let options = FaceOptions {
+            slices: self.slices,
+            scheme: self.splits.clone(),
+            ..FaceOptions::default()
         };
-        let sides = |slice: ViewVolume| {
-            let sides = selected.iter().filter(|face| **face != FrustumFace::Near);
-            sides.map(|face| of_face(&slice, *face)).sum::<f64>()
-        };
-        let near = if faces == Faces::All && selected.contains(&FrustumFace::Near) {
-            of_face(view, FrustumFace::Near)
-        } else {
-            0.0
-        };
-        Ok(near + slices.map(sides).sum::<f64>())
+        let partitions = face_partitions(view, &view.polytope(view.far()), light_travel, &options);
+        let maps = partitions.iter().map(|partition| face_errors(view, partition, warp));
+        maps.map(|errors| errors.storage_factor()).sum()
     }
 }
 
@@ -188,7 +179,7 @@ pub(super) fn opening(view: &ViewVolume) -> f64 {
     view.opening().element_product().sqrt()
 }
 
-pub(super) fn light_sample(view: &ViewVolume, axes: &LightAxes, point: DVec3) -> LightSample {
+fn light_sample(view: &ViewVolume, axes: &LightAxes, point: DVec3) -> LightSample {
     let offset = point - view.eye();
     LightSample {
         across: axes.x.dot(offset),

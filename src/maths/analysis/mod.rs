@@ -4,7 +4,7 @@
 //! |---|---|
 //! | how large is the error at a view depth, sun overhead? | [`overhead`]: every warp, pseudo planes, slices |
 //! | how large is it at worst, and what would it take to remove it? | [`overhead::OverheadRange::largest_errors`], S̄ |
-//! | how many maps are worth it? | [`maps`]: closed forms overhead and from behind |
+//! | how many maps are worth it? | [`storage`](super::storage): closed forms overhead and along the view |
 //! | what about other light directions? | [`direction`]: any direction, faces, slices, by evaluation at vertices |
 //! | which direction is the worst? | [`hemisphere`]: maps over all directions, their mean and their peak |
 //!
@@ -18,5 +18,4 @@
 pub mod direction;
 pub mod faces;
 pub mod hemisphere;
-pub mod maps;
 pub mod overhead;

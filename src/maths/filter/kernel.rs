@@ -3,8 +3,10 @@
 //! Stingl, section 3.6.1, equation 3.9, scales a kernel by the extent of each partition's map, which makes shadows
 //! equally soft over unwarped partitions, and names warped maps as the case where that fails, because their texels
 //! differ. Here the kernel is a disc in the plane across the light *at the receiver*; the Jacobian of the map there
-//! takes it to an ellipse of texture coordinates. For an unwarped map that is equation 3.9 (with a radius, where the
-//! paper's factor 2 makes it a diameter); for a warped one it follows the texels.
+//! takes it to an ellipse of texture coordinates. For an unwarped map that is equation 3.9, s_i = r_l l_sc ÷ (max − min);
+//! for a warped one it follows the texels. Two corrections to the equation: its factor of 2 belongs to clip space
+//! (−1..=1), so that its s_i as a radius in texture coordinates makes r_l a diameter, and here radii are radii; and it
+//! leaves out m = 1, where the atlas is one map and l_sc = 1. The map's rectangle in the atlas holds l_sc.
 //!
 //! The Jacobian is taken at the receiver. At a distance r along the warp axis texels differ by r ÷ (n' + y), 2 % for a
 //! kernel of 10 cm and 5 m from the projection centre, and so does the kernel's shape. The depth of the receiver's

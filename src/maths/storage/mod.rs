@@ -11,7 +11,9 @@
 mod closed_form;
 mod pack;
 
-pub use closed_form::{LightPlace, PartitionScheme, closed_storage_factor, crossover_maps};
+pub use closed_form::{
+    LightPlace, PartitionScheme, best_slices_along_view, closed_storage_factor, crossover_maps, storage_factor_of_maps,
+};
 pub use pack::{Packing, PackingState, pack};
 
 use bevy_math::{DVec2, UVec2};

@@ -9,13 +9,10 @@ use crate::{
         analysis::{
             direction::{Scheme, TiltedWarp},
             hemisphere::StorageHemisphere,
-            maps::{
-                LightPlace, Partitioning, crossover_maps, logarithmic_storage_factor, storage_factor_of_maps,
-                storage_factor_of_slices,
-            },
             overhead::OverheadWarp,
         },
         error::LargestErrors,
+        storage::{LightPlace, PartitionScheme, closed_storage_factor, crossover_maps, storage_factor_of_maps},
     },
     plot::{Axis, Curve, Curves, HeatMap, Scale},
 };
@@ -247,11 +244,11 @@ fn over_depth_ratio() -> Curves {
             format!("{slices} slices")
         };
         let storage = |ratio| {
-            storage_factor_of_slices(
-                Partitioning::WarpedDepth,
+            closed_storage_factor(
+                PartitionScheme::SlicedWarped,
                 LightPlace::Overhead,
-                slices as f64,
                 ratio,
+                slices as f64,
                 OPENING,
             )
         };
@@ -261,7 +258,8 @@ fn over_depth_ratio() -> Curves {
         )
     };
     let mut curves: Vec<Curve> = [1, 2, 3, 4, 8, 16].into_iter().map(of_slices).collect();
-    let optimal = |ratio| logarithmic_storage_factor(LightPlace::Overhead, ratio, OPENING);
+    let optimal =
+        |ratio| closed_storage_factor(PartitionScheme::Logarithmic, LightPlace::Overhead, ratio, 1.0, OPENING);
     let points = depth_ratios.filter_map(|ratio| Some((ratio, optimal(ratio)?)));
     curves.push(curve("logarithmic map (optimal)", points));
     Curves {
@@ -274,14 +272,14 @@ fn over_depth_ratio() -> Curves {
 
 /// S̄ over the number of maps, a panel per place of the light.
 pub(super) fn over_maps() -> Vec<Curves> {
-    let panel = |title: &str, place, schemes: &[(&str, Partitioning)]| {
-        let of_scheme = |(label, partitioning): &(&str, Partitioning)| {
+    let panel = |title: &str, place, schemes: &[(&str, PartitionScheme)]| {
+        let of_scheme = |(label, scheme): &(&str, PartitionScheme)| {
             let maps = (0..=312).map(|step| 1.0 + f64::from(step) * 0.125);
-            let storage = |maps| storage_factor_of_maps(*partitioning, place, maps, 1000.0, OPENING);
+            let storage = |maps| storage_factor_of_maps(*scheme, place, 1000.0, maps, OPENING);
             curve(*label, maps.filter_map(|maps| Some((maps, storage(maps)?))))
         };
         let mut curves: Vec<Curve> = schemes.iter().map(of_scheme).collect();
-        let optimal = logarithmic_storage_factor(place, 1000.0, OPENING);
+        let optimal = closed_storage_factor(PartitionScheme::Logarithmic, place, 1000.0, 1.0, OPENING);
         let points = [1.0, 40.0].into_iter().filter_map(|maps| Some((maps, optimal?)));
         curves.push(curve("logarithmic maps (limit)", points));
         Curves {
@@ -299,17 +297,17 @@ pub(super) fn over_maps() -> Vec<Curves> {
             "Light overhead",
             LightPlace::Overhead,
             &[
-                ("ZP", Partitioning::Depth),
-                ("ZP+W", Partitioning::WarpedDepth),
-                ("FP+ZP+W", Partitioning::WarpedFaces),
+                ("ZP", PartitionScheme::Sliced),
+                ("ZP+W", PartitionScheme::SlicedWarped),
+                ("FP+ZP+W", PartitionScheme::FacesSlicedWarped),
             ],
         ),
         panel(
             "Light from behind",
-            LightPlace::Behind,
+            LightPlace::AlongView,
             &[
-                ("ZP and ZP+W", Partitioning::Depth),
-                ("FP+ZP+W", Partitioning::WarpedFaces),
+                ("ZP and ZP+W", PartitionScheme::Sliced),
+                ("FP+ZP+W", PartitionScheme::FacesSlicedWarped),
             ],
         ),
     ]

@@ -3,10 +3,12 @@
 use std::f64::consts::TAU;
 
 use bevy_math::DVec3;
-use umbrage::maths::analysis::{
-    direction::{Scheme, TiltedWarp},
-    hemisphere::{LightDirection, StorageHemisphere, worst_direction},
-    maps::{LightPlace, Partitioning, storage_factor_of_slices},
+use umbrage::maths::{
+    analysis::{
+        direction::{Scheme, TiltedWarp},
+        hemisphere::{LightDirection, StorageHemisphere, worst_direction},
+    },
+    storage::{LightPlace, PartitionScheme, closed_storage_factor},
 };
 
 use crate::support::{OPENING, close, papers_camera};
@@ -43,19 +45,23 @@ fn peaks_and_means_of_slices() {
         (4, (245.3, 142.4), (245.3, 44.68), (73.9, 32.7)),
         (8, (87.3, 43.2), (87.3, 28.28), (62.3, 21.1)),
     ] {
-        for (scheme, partitioning, (largest, mean)) in [
-            (Scheme::depth(slices, TiltedWarp::Uniform), Partitioning::Depth, uniform),
+        for (scheme, closed, (largest, mean)) in [
+            (
+                Scheme::depth(slices, TiltedWarp::Uniform),
+                PartitionScheme::Sliced,
+                uniform,
+            ),
             (
                 Scheme::depth(slices, TiltedWarp::Guarded),
-                Partitioning::WarpedDepth,
+                PartitionScheme::SlicedWarped,
                 guarded,
             ),
-            (Scheme::faces(slices), Partitioning::WarpedFaces, faces),
+            (Scheme::faces(slices), PartitionScheme::FacesSlicedWarped, faces),
         ] {
             let map = hemisphere(1000.0, &scheme);
             close(map.largest().0, largest, 5.0e-3);
             close(map.geometric_mean(), mean, 5.0e-3);
-            let behind = storage_factor_of_slices(partitioning, LightPlace::Behind, slices as f64, 1000.0, OPENING);
+            let behind = closed_storage_factor(closed, LightPlace::AlongView, 1000.0, slices as f64, OPENING);
             let share = map.largest().0 / behind.expect("sound");
             assert!((1.0..3.0).contains(&share), "{scheme:?}: {share}");
         }

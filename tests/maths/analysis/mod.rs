@@ -2,7 +2,6 @@
 
 mod direction;
 mod hemisphere;
-mod maps;
 mod metric;
 mod overhead;
 mod prediction;
