@@ -14,7 +14,7 @@ use crate::{
         sky::course::clock,
     },
     plot::figures::figures,
-    shadow::technique::{KEYS, PRESETS, StockBias, Technique},
+    shadow::technique::{PRESETS, StockBias, Technique, keys},
 };
 
 /// Prints a list, one entry per line: name, two spaces at least, meaning.
@@ -55,7 +55,7 @@ fn techniques() {
         say(format!("{name:<20} {technique}: {}", technique.summary()));
     }
     say("\nkeys, as in zp4+lispsm:size=1024,filter=hard");
-    for (key, values) in KEYS {
+    for (key, values) in keys() {
         say(format!("{key:<20} {values}"));
     }
 }

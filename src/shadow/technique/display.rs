@@ -2,34 +2,29 @@
 
 use std::fmt;
 
-use super::{StockBias, Technique, lookup_keys, parse::defaults};
-use crate::{
-    maths::{split::SplitScheme, warp::Warp},
-    shadow::settings::SunShadows,
-};
+use super::{Technique, base, pairs::topics, stock_keys, warps};
 
-/// The shortest text that means the same: only what differs from the defaults.
+/// The shortest text that means the same: only what differs from the defaults of its base.
 impl fmt::Display for Technique {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let settings = match self {
-            Self::Bevy(bias) => return write!(f, "bevy{}", keys(&stock_changes(*bias))),
+            Self::Bevy(bias) => return write!(f, "bevy{}", keys(&stock_keys::changes(*bias))),
             Self::Umbrage(settings) => settings,
         };
-        let count = settings.partitions.count;
-        let warp = match settings.warp {
-            Warp::Uniform => "uniform",
-            Warp::Lispsm => "lispsm",
-            Warp::Repar => "repar",
-            Warp::Psm => "psm",
-            Warp::Tsm { .. } => "tsm",
-            Warp::Free { .. } => "free",
-        };
-        match (count, settings.warp) {
-            (1, _) => f.write_str(warp)?,
-            (_, Warp::Uniform) => write!(f, "zp{count}")?,
-            _ => write!(f, "zp{count}+{warp}")?,
+        let base = base::of(settings);
+        let (name, warp) = (base.text)(settings);
+        let warp = warp.map(warps::without_keys);
+        f.write_str(&name)?;
+        if let Some(warp) = warp.and_then(warps::name) {
+            write!(f, "+{warp}")?;
         }
-        f.write_str(&keys(&changes(settings)))
+        let Ok(Some(default)) = (base.read)(&name, warp) else {
+            return Err(fmt::Error);
+        };
+        let pairs: Vec<String> = topics(base.topics)
+            .flat_map(|topic| (topic.changes)(settings, &default))
+            .collect();
+        f.write_str(&keys(&pairs))
     }
 }
 
@@ -42,74 +37,20 @@ fn keys(pairs: &[String]) -> String {
     }
 }
 
-/// `key=value` of the biases that are not Bevy's own.
-fn stock_changes(bias: StockBias) -> Vec<String> {
-    let default = StockBias::default();
-    let mut pairs = Vec::new();
-    if bias.depth != default.depth {
-        pairs.push(format!("depth_bias={}", bias.depth));
-    }
-    if bias.normal != default.normal {
-        pairs.push(format!("normal_bias={}", bias.normal));
-    }
-    pairs
-}
-
-/// `key=value` of everything that differs from the defaults, in the order of [`KEYS`].
-fn changes(settings: &SunShadows) -> Vec<String> {
-    let default = defaults(settings.partitions.count, settings.warp);
-    let mut pairs = Vec::new();
-    if settings.path != default.path {
-        pairs.push("path=dropin".to_owned());
-    }
-    if settings.map_size != default.map_size {
-        pairs.push(format!("size={}", settings.map_size));
-    }
-    if settings.partitions.scheme != default.partitions.scheme {
-        pairs.push(match &settings.partitions.scheme {
-            SplitScheme::Logarithmic => "split=log".to_owned(),
-            SplitScheme::Uniform => "split=uniform".to_owned(),
-            SplitScheme::Practical { lambda } => format!("lambda={lambda}"),
-            SplitScheme::Manual(splits) => {
-                let splits: Vec<_> = splits.iter().map(ToString::to_string).collect();
-                format!("splits={}", splits.join("/"))
-            }
-        });
-    }
-    if settings.selection != default.selection {
-        pairs.push("select=depth".to_owned());
-    }
-    pairs.extend(lookup_keys::filter_and_bias_changes(settings, &default));
-    if let Some(near) = settings.near {
-        pairs.push(format!("near={near}"));
-    }
-    if let Some(distance) = settings.distance {
-        pairs.push(format!("distance={distance}"));
-    }
-    if let Warp::Free { eta } = settings.warp
-        && eta != 0.0
-    {
-        pairs.push(format!("eta={eta}"));
-    }
-    if let Warp::Tsm { focus } = settings.warp
-        && focus != Warp::TSM_FOCUS
-    {
-        pairs.push(format!("focus={focus}"));
-    }
-    if settings.fallback_map != default.fallback_map {
-        pairs.push("fallback=off".to_owned());
-    }
-    pairs.extend(lookup_keys::store_and_blur_changes(settings, &default));
-    pairs
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::shadow::settings::{
-        PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
+    use crate::{
+        maths::{split::SplitScheme, warp::Warp},
+        shadow::{
+            settings::{
+                PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
+                SunShadows,
+            },
+            technique::StockBias,
+        },
     };
 
     #[test]

@@ -1,6 +1,9 @@
 //! Keys of the lookup: filter, bias, what maps store, blur; and their text.
 
-use super::parse::{Pairs, TechniqueError, metres, number};
+use super::{
+    error::TechniqueError,
+    pairs::{Key, Pairs, Topic, metres, number},
+};
 use crate::shadow::{
     checked::TAPS,
     settings::{ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows},
@@ -18,8 +21,25 @@ const SLOPE_FACTOR: f32 = 2.0;
 /// Smallest steps of `bias=slope` when `bias_units` is not given (ditto).
 const SLOPE_UNITS: f32 = 4.0;
 
-/// Reads the keys into the settings.
-pub(super) fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
+pub(super) const TOPIC: Topic = Topic {
+    keys: &[
+        Key::full("filter", "hard|pcf2|poisson|pcss"),
+        Key::full("taps", "8..=64, for filter=poisson and pcss"),
+        Key::full("radius", "metres 0..=2 across the light, for filter=poisson and pcss"),
+        Key::full("sun_diameter", "degrees 0..=10, for filter=pcss"),
+        Key::new("bias", "none|footprint|constant|slope|world-slope|receiver"),
+        Key::new("bias_m", "metres >= 0, for bias=constant and receiver"),
+        Key::new("bias_scale", "a factor >= 0, for bias=footprint, slope and world-slope"),
+        Key::full("bias_units", "smallest steps of depth >= 0, for bias=slope"),
+        Key::full("store", "nearest|back|second|midpoint"),
+        Key::full("blur", "iterations on the screen, 0..=16"),
+        Key::full("blur_depth", "metres > 0 up to which pixels take part in all of blur="),
+    ],
+    read,
+    changes,
+};
+
+fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
     settings.filter = filter_of(settings.filter, pairs)?;
     settings.bias = bias_of(settings.bias, settings.path, pairs)?;
     if let Some(store) = pairs.read("store", |text| match text {
@@ -42,10 +62,6 @@ pub(super) fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), Techn
         settings.blur.full_depth = full_depth;
     }
     Ok(())
-}
-
-fn together(text: &str) -> TechniqueError {
-    TechniqueError::Together(text.to_owned())
 }
 
 fn filter_of(default: ShadowFilter, pairs: &Pairs) -> Result<ShadowFilter, TechniqueError> {
@@ -72,12 +88,12 @@ fn filter_of(default: ShadowFilter, pairs: &Pairs) -> Result<ShadowFilter, Techn
     })?;
     let filter = filter.unwrap_or(default);
     if matches!(filter, ShadowFilter::Hard | ShadowFilter::Pcf2) && (pairs.has("taps") || pairs.has("radius")) {
-        return Err(together(
+        return Err(TechniqueError::together(
             "`taps=` and `radius=` belong to `filter=poisson` and `filter=pcss`",
         ));
     }
     if sun_diameter.is_some() && !matches!(filter, ShadowFilter::Pcss { .. }) {
-        return Err(together("`sun_diameter=` belongs to `filter=pcss`"));
+        return Err(TechniqueError::together("`sun_diameter=` belongs to `filter=pcss`"));
     }
     Ok(filter)
 }
@@ -115,25 +131,27 @@ fn bias_of(default: ShadowBias, path: ShadowPath, pairs: &Pairs) -> Result<Shado
         .or(units.map(|_| slope))
         .unwrap_or(default);
     if path == ShadowPath::DropIn && !bias.is_for_drop_in() {
-        return Err(TechniqueError::Together(format!(
+        return Err(TechniqueError::together(format!(
             "`{}` means nothing with `path=dropin`, where Bevy looks shadows up",
             bias_text(bias)
         )));
     }
     if metres.is_some() && !matches!(bias, ShadowBias::Constant { .. } | ShadowBias::ReceiverPlane { .. }) {
-        return Err(together("`bias_m=` belongs to `bias=constant` and `bias=receiver`"));
+        return Err(TechniqueError::together(
+            "`bias_m=` belongs to `bias=constant` and `bias=receiver`",
+        ));
     }
     let is_factor = matches!(
         bias,
         ShadowBias::Footprint { .. } | ShadowBias::Slope { .. } | ShadowBias::WorldSlope { .. }
     );
     if scale.is_some() && !is_factor {
-        return Err(together(
+        return Err(TechniqueError::together(
             "`bias_scale=` belongs to `bias=footprint`, `bias=slope` and `bias=world-slope`",
         ));
     }
     if units.is_some() && !matches!(bias, ShadowBias::Slope { .. }) {
-        return Err(together("`bias_units=` belongs to `bias=slope`"));
+        return Err(TechniqueError::together("`bias_units=` belongs to `bias=slope`"));
     }
     Ok(bias)
 }
@@ -150,8 +168,7 @@ fn bias_text(bias: ShadowBias) -> &'static str {
     }
 }
 
-/// `key=value` of a filter and a bias that are not the defaults.
-pub(super) fn filter_and_bias_changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
+fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     let mut pairs = Vec::new();
     if settings.filter != default.filter {
         let disc = |taps: u32, radius: f32| [format!("taps={taps}"), format!("radius={radius}")];
@@ -185,12 +202,6 @@ pub(super) fn filter_and_bias_changes(settings: &SunShadows, default: &SunShadow
             }
         }
     }
-    pairs
-}
-
-/// `key=value` of what maps store and of the blur, where they are not the defaults.
-pub(super) fn store_and_blur_changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
-    let mut pairs = Vec::new();
     if settings.store != default.store {
         pairs.push(format!("store={}", store_name(settings.store)));
     }

@@ -7,14 +7,26 @@
 //! | `lispsm`, `repar`, `psm`, `tsm`, `free` | one warped map |
 //! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
 //!
-//! The keys and their values are in [`KEYS`]. Texels are budgeted: one map has 4096², several share 4096² in a square
+//! The keys and their values are listed by [`keys`]. Texels are budgeted: one map has 4096², several share 4096² in a square
 //! grid of cells ([`default_map_size`]), so that techniques compare at equal memory.
 
-mod display;
-mod lookup_keys;
-mod parse;
+//!
+//! A base is a file of `base/` and a line of its table. Keys live in topics: a topic owns the names of its keys, what
+//! they do to the settings, and the text of settings.
 
-pub use parse::{KEYS, TechniqueError};
+mod base;
+mod display;
+mod error;
+mod fit_keys;
+mod lookup_keys;
+mod pairs;
+mod parse;
+mod partition_keys;
+mod path_keys;
+mod stock_keys;
+mod warps;
+
+pub use error::TechniqueError;
 
 use bevy::{light::CascadeShadowConfig, prelude::*};
 
@@ -81,6 +93,11 @@ pub const PRESETS: [(&str, SunShadows); 4] = [
     ("high", SunShadows::HIGH),
     ("ultra", SunShadows::ULTRA),
 ];
+
+/// The keys after the colon, with the values that they take.
+pub fn keys() -> impl Iterator<Item = (&'static str, &'static str)> {
+    pairs::all_keys().into_iter().map(|key| (key.name, key.values))
+}
 
 /// Texels per side of each of `count` maps that share one budget of 4096² texels: 4096 for one map, 2048 for two to
 /// four, 1365 for five to nine, 1024 for ten to sixteen (cells of a square grid).

@@ -1,0 +1,105 @@
+//! Keys of the partitions: where the view is split and which map a point reads; and their text.
+
+use super::{
+    error::TechniqueError,
+    pairs::{Key, Pairs, Topic, metres, number},
+};
+use crate::{
+    maths::split::SplitScheme,
+    shadow::settings::{PartitionSelection, SunShadows},
+};
+
+pub(super) const TOPIC: Topic = Topic {
+    keys: &[
+        Key::new("split", "log|practical|uniform|manual"),
+        Key::new("lambda", "0..=1, for split=practical"),
+        Key::new("splits", "ascending metres, e.g. 10/30/80, for split=manual"),
+        Key::full("select", "depth|best"),
+    ],
+    read,
+    changes,
+};
+
+fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
+    let partitions = &mut settings.partitions;
+    partitions.scheme = scheme_of(partitions.count, partitions.scheme.clone(), pairs)?;
+    if let Some(selection) = pairs.read("select", |text| match text {
+        "depth" => Some(PartitionSelection::Depth),
+        "best" => Some(PartitionSelection::BestResolution),
+        _ => None,
+    })? {
+        settings.selection = selection;
+    }
+    Ok(())
+}
+
+/// Ascending lengths between slashes.
+fn split_list(text: &str) -> Option<Vec<f32>> {
+    let splits: Vec<f32> = text.split('/').map(metres).collect::<Option<_>>()?;
+    splits.is_sorted_by(|a, b| a < b).then_some(splits)
+}
+
+fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitScheme, TechniqueError> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Kind {
+        Log,
+        Practical,
+        Uniform,
+        Manual,
+    }
+    let kind = pairs.read("split", |text| match text {
+        "log" => Some(Kind::Log),
+        "practical" => Some(Kind::Practical),
+        "uniform" => Some(Kind::Uniform),
+        "manual" => Some(Kind::Manual),
+        _ => None,
+    })?;
+    let lambda = pairs.read("lambda", |text| number(text, 0.0..=1.0))?;
+    let splits = pairs.read("splits", split_list)?;
+    let kind = kind
+        .or(lambda.map(|_| Kind::Practical))
+        .or(splits.as_ref().map(|_| Kind::Manual));
+    if lambda.is_some() && kind != Some(Kind::Practical) {
+        return Err(TechniqueError::together("`lambda=` belongs to `split=practical`"));
+    }
+    if splits.is_some() && kind != Some(Kind::Manual) {
+        return Err(TechniqueError::together("`splits=` belongs to `split=manual`"));
+    }
+    match kind {
+        None => Ok(default),
+        Some(Kind::Log) => Ok(SplitScheme::Logarithmic),
+        Some(Kind::Uniform) => Ok(SplitScheme::Uniform),
+        Some(Kind::Practical) => Ok(SplitScheme::Practical {
+            lambda: lambda.unwrap_or(match default {
+                SplitScheme::Practical { lambda } => lambda,
+                _ => 0.5,
+            }),
+        }),
+        Some(Kind::Manual) => match splits {
+            Some(splits) if splits.len() + 1 == count as usize => Ok(SplitScheme::Manual(splits)),
+            _ => Err(TechniqueError::together(format!(
+                "`split=manual` with {count} z-partitions takes `splits=` with {} distances in metres between slashes",
+                count - 1
+            ))),
+        },
+    }
+}
+
+fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
+    let mut pairs = Vec::new();
+    if settings.partitions.scheme != default.partitions.scheme {
+        pairs.push(match &settings.partitions.scheme {
+            SplitScheme::Logarithmic => "split=log".to_owned(),
+            SplitScheme::Uniform => "split=uniform".to_owned(),
+            SplitScheme::Practical { lambda } => format!("lambda={lambda}"),
+            SplitScheme::Manual(splits) => {
+                let splits: Vec<_> = splits.iter().map(ToString::to_string).collect();
+                format!("splits={}", splits.join("/"))
+            }
+        });
+    }
+    if settings.selection != default.selection {
+        pairs.push("select=depth".to_owned());
+    }
+    pairs
+}

@@ -1,0 +1,83 @@
+//! Keys of the path and of its maps, their text, and what the drop-in path refuses.
+
+use super::{
+    cells_per_side,
+    error::TechniqueError,
+    pairs::{Key, Pairs, Topic, switch, switch_text},
+};
+use crate::shadow::{
+    checked::MAP_SIZES,
+    settings::{ShadowPath, SunShadows},
+};
+
+/// Side of the largest texture that every desktop adapter has.
+const MAX_ATLAS: u32 = 16_384;
+
+pub(super) const TOPIC: Topic = Topic {
+    keys: &[
+        Key::new("path", "full|dropin"),
+        Key::new("size", "texels per side of one map, 16..=8192"),
+        Key::full("fallback", "on|off"),
+    ],
+    read,
+    changes,
+};
+
+fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
+    if let Some(path) = pairs.read("path", |text| match text {
+        "full" => Some(ShadowPath::Full),
+        "dropin" => Some(ShadowPath::DropIn),
+        _ => None,
+    })? {
+        settings.path = path;
+    }
+    let count = settings.partitions.count;
+    if settings.path == ShadowPath::DropIn {
+        if count > SunShadows::MAX_DROP_IN_PARTITIONS {
+            return Err(TechniqueError::together(format!(
+                "`path=dropin` has at most {} z-partitions, not {count}",
+                SunShadows::MAX_DROP_IN_PARTITIONS
+            )));
+        }
+        if let Some(key) = pairs.keys().find(|key| key.is_full_only) {
+            return Err(TechniqueError::together(format!(
+                "`{}=` means nothing with `path=dropin`, where Bevy looks shadows up",
+                key.name
+            )));
+        }
+    }
+    if let Some(size) = pairs.read("size", |text| {
+        text.parse::<u32>().ok().filter(|size| MAP_SIZES.contains(size))
+    })? {
+        let largest = MAX_ATLAS / cells_per_side(count);
+        if size > largest {
+            return Err(TechniqueError::together(format!(
+                "`size={size}` is too large for {count} maps: at most {largest}"
+            )));
+        }
+        if settings.path == ShadowPath::DropIn && !size.is_power_of_two() {
+            return Err(TechniqueError::together(format!(
+                "`path=dropin` needs a power of two as size, not {size}: Bevy draws no other maps"
+            )));
+        }
+        settings.map_size = size;
+    }
+    if let Some(fallback) = pairs.read("fallback", switch)? {
+        settings.fallback_map = fallback;
+    }
+    Ok(())
+}
+
+fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
+    let mut pairs = Vec::new();
+    if settings.path != default.path {
+        pairs.push("path=dropin".to_owned());
+    }
+    if settings.map_size != default.map_size {
+        pairs.push(format!("size={}", settings.map_size));
+    }
+    if settings.fallback_map != default.fallback_map {
+        pairs.push(format!("fallback={}", switch_text(settings.fallback_map)));
+    }
+    pairs
+}
