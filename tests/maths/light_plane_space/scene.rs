@@ -3,7 +3,9 @@
 use bevy_math::{DMat4, DVec2, DVec3, UVec2};
 use umbrage::maths::{
     fit::LightAxes,
-    light_plane::space::{BaseFilm, FilmBin, FilmHull, FilmMoments, FilmSample, SampleGrid},
+    light_plane::space::{
+        BaseFilm, FilmBin, FilmHull, FilmMoments, FilmSample, SampleGrid, SeenBlock, SeenPicture, reduce_block,
+    },
     view::ViewVolume,
 };
 
@@ -55,22 +57,62 @@ impl Camera {
     /// World-space points and the index of the piece, of all pixels that see one.
     pub(crate) fn hits(&self, pieces: &[Piece]) -> Vec<(DVec3, usize)> {
         let mut hits = Vec::new();
-        let eye = self.view.eye();
         for row in 0..self.grid.samples.y {
             for column in 0..self.grid.samples.x {
                 let place = (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / self.grid.samples.as_dvec2();
-                let ray = self.ray(place * 2.0 - 1.0);
-                let along = pieces.iter().enumerate().filter_map(|(index, piece)| {
-                    let distance = (piece.point - eye).dot(piece.normal) / ray.dot(piece.normal);
-                    let point = eye + ray * distance;
-                    (distance > 1.0e-6 && distance.is_finite() && (piece.contains)(point)).then_some((distance, index))
-                });
-                if let Some((distance, index)) = along.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                    hits.push((eye + ray * distance, index));
-                }
+                hits.extend(self.hit(pieces, place * 2.0 - 1.0));
             }
         }
         hits
+    }
+
+    /// World-space point and index of the piece that a place of the picture shows.
+    fn hit(&self, pieces: &[Piece], ndc: DVec2) -> Option<(DVec3, usize)> {
+        let eye = self.view.eye();
+        let ray = self.ray(ndc);
+        let along = pieces.iter().enumerate().filter_map(|(index, piece)| {
+            let distance = (piece.point - eye).dot(piece.normal) / ray.dot(piece.normal);
+            let point = eye + ray * distance;
+            (distance > 1.0e-6 && distance.is_finite() && (piece.contains)(point)).then_some((distance, index))
+        });
+        let (distance, index) = along.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((eye + ray * distance, index))
+    }
+
+    /// All pixels of the picture, and what its blocks come to.
+    pub(crate) fn picture(&self, pieces: &[Piece]) -> (SeenPicture, Vec<DVec3>) {
+        let (size, grid) = (self.grid.picture_size, self.grid.samples);
+        let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| UVec2::new(x, y)));
+        let hits: Vec<Option<(DVec3, usize)>> = pixels
+            .map(|pixel| {
+                let place = (pixel.as_dvec2() + 0.5) / size.as_dvec2();
+                self.hit(pieces, DVec2::new(2.0 * place.x - 1.0, 1.0 - 2.0 * place.y))
+            })
+            .collect();
+        let clip_from_world = self.grid.clip_from_world;
+        let depth =
+            |hit: &Option<(DVec3, usize)>| hit.map_or(0.0, |(point, _)| clip_from_world.project_point3(point).z);
+        let depths: Vec<f32> = hits.iter().map(|hit| depth(hit) as f32).collect();
+        let block = |index: u32| {
+            let block = UVec2::new(index % grid.x, index / grid.x);
+            let reduced = reduce_block(&depths, size, grid, block)?;
+            let (position, piece) = hits[(reduced.pixel.y * size.x + reduced.pixel.x) as usize]?;
+            Some(SeenBlock {
+                position,
+                normal: pieces[piece].normal,
+                depths_ndc: reduced.depths_ndc,
+                pixel: reduced.pixel,
+                pixels: reduced.pixels,
+            })
+        };
+        let picture = SeenPicture {
+            clip_from_world,
+            size,
+            grid,
+            blocks: (0..grid.element_product()).map(block).collect(),
+        };
+        let points = hits.into_iter().flatten().map(|(point, _)| point);
+        (picture, points.collect())
     }
 
     fn ray(&self, ndc: DVec2) -> DVec3 {

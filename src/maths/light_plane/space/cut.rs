@@ -34,6 +34,11 @@ impl FilmTiles {
         limits: &MergeLimits,
         objective: FilmObjective,
     ) -> Result<(FilmPartition, TileOwners), FilmError> {
+        self.partitioned(self.cut_rects(limits, objective)?, objective)
+    }
+
+    /// The rectangles of [`FilmTiles::cut`].
+    pub(super) fn cut_rects(&self, limits: &MergeLimits, objective: FilmObjective) -> Result<Vec<TileRect>, FilmError> {
         let whole = [USizeVec2::ZERO, self.size];
         if self.gathered(whole).is_empty() {
             return Err(FilmError::NothingVisible);
@@ -57,7 +62,7 @@ impl FilmTiles {
                 None => {}
             }
         }
-        self.partitioned(rects, objective)
+        Ok(rects)
     }
 
     fn find_cuts(&self, rect: TileRect, most: usize, objective: FilmObjective, known: &mut Cuts) {

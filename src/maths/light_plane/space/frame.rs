@@ -4,6 +4,7 @@ use bevy_math::{DMat2, DVec2};
 
 /// What outlines a film may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum FilmShape {
     /// A rectangle in v, turned in its plane. Texels are rectangles on the ray u = 0 only, since a bent film shears them
     /// everywhere else; so it depends on the middle of the base film what a rectangle is.

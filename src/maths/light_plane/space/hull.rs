@@ -126,6 +126,15 @@ impl FilmHull {
         }
     }
 
+    /// What both hulls hold.
+    pub fn intersection(&self, other: &Self) -> Result<Self, FilmError> {
+        let sides = other.points.iter().zip(other.points.iter().cycle().skip(1));
+        let common = sides.fold(self.points.clone(), |polygon, (a, b)| {
+            clip_polygon(&polygon, |point| (b - a).perp_dot(point - a))
+        });
+        Self::new(common)
+    }
+
     /// A polygon of at most `sides` sides (at least 4) around it: sides are taken out one by one, always the one
     /// without which least area is added on the film of a valid bend. On the base film an added corner of no area may lie
     /// where a bent film is spread widest.
@@ -202,4 +211,19 @@ impl FilmHull {
             square: square * (1.0 / (12.0 * double)),
         }
     }
+}
+
+/// The part of a convex polygon where a linear function is not negative.
+pub(super) fn clip_polygon(polygon: &[DVec2], excess: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
+    let mut part = Vec::with_capacity(polygon.len() + 1);
+    for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+        let (at_a, at_b) = (excess(*a), excess(*b));
+        if at_a >= 0.0 {
+            part.push(*a);
+        }
+        if (at_a >= 0.0) != (at_b >= 0.0) {
+            part.push(*a + (*b - *a) * (at_a / (at_a - at_b)));
+        }
+    }
+    part
 }

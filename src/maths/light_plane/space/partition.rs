@@ -17,9 +17,11 @@ pub struct FilmBin {
     pub points: Vec<DVec2>,
     /// Least and greatest view depth; the first exceeds the second when there is none.
     pub depths: [f64; 2],
+    /// Points that were left when the others were last sorted out.
+    settled: usize,
 }
 
-/// Points from which on a bin keeps their hull only.
+/// Points from which on a bin keeps their hull only: so many more than the last hull had, and as many again.
 const MANY_POINTS: usize = 64;
 
 impl Default for FilmBin {
@@ -28,6 +30,7 @@ impl Default for FilmBin {
             moments: FilmMoments::default(),
             points: Vec::new(),
             depths: [f64::INFINITY, f64::NEG_INFINITY],
+            settled: 0,
         }
     }
 }
@@ -57,12 +60,30 @@ impl FilmBin {
         self.extend(&other.points, other.depths);
     }
 
-    fn extend(&mut self, points: &[DVec2], depths: [f64; 2]) {
+    /// Adds what must be covered, and nothing to the sums.
+    pub(super) fn extend(&mut self, points: &[DVec2], depths: [f64; 2]) {
         self.points.extend_from_slice(points);
         self.depths = [self.depths[0].min(depths[0]), self.depths[1].max(depths[1])];
-        if self.points.len() >= MANY_POINTS
+        if self.points.len() >= MANY_POINTS + 2 * self.settled
             && let Ok(hull) = FilmHull::new(self.points.iter().copied())
         {
+            self.points = hull.points().to_vec();
+            self.settled = self.points.len();
+        }
+    }
+
+    /// Moves the outline of what has to be covered outwards by a distance on the film: for lookups beside a point.
+    pub(super) fn dilate(&mut self, distance: f64) {
+        if distance > 0.0
+            && let Ok(hull) = FilmHull::new(self.points.iter().copied())
+        {
+            self.points = hull.dilated(distance).points().to_vec();
+        }
+    }
+
+    /// Cuts off what lies outside of a hull, as far as that leaves an area.
+    pub(super) fn clip(&mut self, outer: &FilmHull) {
+        if let Ok(hull) = FilmHull::new(self.points.iter().copied()).and_then(|hull| hull.intersection(outer)) {
             self.points = hull.points().to_vec();
         }
     }

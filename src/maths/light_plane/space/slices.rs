@@ -1,6 +1,8 @@
 //! [`slice_by_depth`]: films for intervals of view depth, which any renderer of cascades can use.
 
-use super::{FilmBin, FilmError, FilmFrustum, FilmObjective, FilmPartition, FilmSample, tiles::MergeLimits};
+use bevy_math::DVec2;
+
+use super::{FilmBin, FilmBlock, FilmError, FilmFrustum, FilmObjective, FilmPartition, FilmSample, tiles::MergeLimits};
 
 /// Samples sorted into intervals of view depth, evenly in its logarithm.
 #[derive(Clone, Debug)]
@@ -46,8 +48,45 @@ impl DepthSlices {
         }
     }
 
+    /// Adds a block of a camera's picture: to each slice the part that lies there. Depths outside count to the ends.
+    pub fn add_block(&mut self, block: &FilmBlock) {
+        let count = self.bins.len();
+        for index in 0..count {
+            let near = if index == 0 {
+                f64::NEG_INFINITY
+            } else {
+                self.start(index)
+            };
+            let far = if index + 1 == count {
+                f64::INFINITY
+            } else {
+                self.start(index + 1)
+            };
+            let Some(part) = block.between(near, far) else {
+                continue;
+            };
+            if let Some(sample) = &part.sample {
+                self.bins[index].add(sample, 1.0, &[], sample.depths);
+            }
+            self.bins[index].extend(&part.points(), part.depths);
+        }
+    }
+
+    /// Adds the hull of some points to what has to be covered in a slice.
+    pub fn cover(&mut self, index: usize, points: &[DVec2]) {
+        let depths = [self.start(index), self.start(index + 1)];
+        self.bins[index].extend(points, depths);
+    }
+
+    /// Moves the outlines of all slices outwards by a distance on the base film.
+    pub fn dilate(&mut self, distance: f64) {
+        for bin in &mut self.bins {
+            bin.dilate(distance);
+        }
+    }
+
     /// The samples of a run of slices.
-    fn run(&self, start: usize, end: usize) -> FilmBin {
+    pub(super) fn run(&self, start: usize, end: usize) -> FilmBin {
         let mut run = FilmBin::default();
         for bin in &self.bins[start..end] {
             run.merge(bin);
@@ -67,6 +106,21 @@ pub fn slice_by_depth(
     limits: &MergeLimits,
     objective: FilmObjective,
 ) -> Result<FilmPartition, FilmError> {
+    let runs = best_runs(slices, limits, objective)?;
+    let films = runs
+        .into_iter()
+        .map(|[start, end]| FilmFrustum::of_bin(&slices.run(start, end), objective, &[]));
+    Ok(FilmPartition {
+        frusta: films.collect::<Result<_, _>>()?,
+    })
+}
+
+/// First slice and the one beyond the last of the films of [`slice_by_depth`], near to far, those without samples left out.
+pub(super) fn best_runs(
+    slices: &DepthSlices,
+    limits: &MergeLimits,
+    objective: FilmObjective,
+) -> Result<Vec<[usize; 2]>, FilmError> {
     let count = slices.bins.len();
     let needs: Vec<Vec<f64>> = (0..count)
         .map(|start| {
@@ -95,19 +149,18 @@ pub fn slice_by_depth(
             films = more;
         }
     }
-    let mut frusta = Vec::with_capacity(films);
+    let mut runs = Vec::with_capacity(films);
     let mut end = count;
     for table in tables[..films].iter().rev() {
         let start = table[end - 1].1;
-        let bin = slices.run(start, end);
-        if !bin.is_empty() {
-            frusta.push(FilmFrustum::of_bin(&bin, objective, &[])?);
+        if !slices.run(start, end).is_empty() {
+            runs.push([start, end]);
         }
         end = start;
     }
-    frusta.reverse();
-    if frusta.is_empty() {
+    runs.reverse();
+    if runs.is_empty() {
         return Err(FilmError::NothingVisible);
     }
-    Ok(FilmPartition { frusta })
+    Ok(runs)
 }

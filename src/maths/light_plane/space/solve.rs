@@ -6,6 +6,7 @@ use super::{FilmError, FilmFrame, FilmHull, FilmMoments, FilmShape};
 
 /// What is made small.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum FilmMetric {
     /// Mean area of a texel in pixels: L1 in both dimensions.
     #[default]

@@ -4,7 +4,10 @@ use std::collections::HashMap;
 
 use bevy_math::{DVec2, USizeVec2};
 
-use super::{FilmBin, FilmError, FilmFrustum, FilmObjective, FilmPartition, FilmSample};
+use super::{
+    Film, FilmBin, FilmBlock, FilmError, FilmFrustum, FilmHull, FilmObjective, FilmPartition, FilmSample,
+    hull::clip_polygon,
+};
 
 /// When to stop merging (Chong, section 3.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,34 +32,104 @@ impl Default for MergeLimits {
 /// First tile and the one beyond the last, along both axes.
 pub(super) type TileRect = [USizeVec2; 2];
 
-/// Samples sorted into a grid of tiles over the base film, −1..1 along both axes; tiles at the border have no end.
+/// Samples sorted into a grid of tiles over the base film or over another one; tiles at the border have no end.
 ///
 /// k means the same in every tile, so that their sums need no rescaling: unlike the sub-frusta of flatland.
 #[derive(Clone, Debug)]
 pub struct FilmTiles {
     pub(super) size: USizeVec2,
+    ground: Option<Film>,
     bins: Vec<FilmBin>,
 }
 
+/// Where a point of the base film lies in the grid, 0..1 along both axes: (u + 1) ÷ 2, or (ξ, η) of a film; and its w.
+fn grid_place(ground: Option<&Film>, film: DVec2) -> (DVec2, f64) {
+    match ground {
+        None => (film * 0.5 + 0.5, 1.0),
+        Some(ground) => {
+            let width = 1.0 + ground.bend.dot(film);
+            (ground.frame.place(film / width), width)
+        }
+    }
+}
+
 impl FilmTiles {
-    /// A grid of so many tiles along both axes, at least one; 8 × 8 are plenty.
+    /// A grid of so many tiles along both axes over the base film, −1..1; 8 × 8 are plenty.
     pub fn new(size: USizeVec2) -> Self {
+        Self::over(size, None)
+    }
+
+    /// A grid over a film, 0..1 of (ξ, η), that must be valid wherever something is added.
+    ///
+    /// On the base film of a large scene nearly all that is seen lies in one tile, before the camera's feet. The film that is
+    /// best for all of it spreads the pixels evenly, and so its tiles. Its tiles are quadrangles of the base film, which
+    /// need no other algebra: their borders are straight.
+    pub fn over(size: USizeVec2, ground: Option<Film>) -> Self {
         let size = size.max(USizeVec2::ONE);
         Self {
             size,
+            ground,
             bins: vec![FilmBin::default(); size.element_product()],
         }
+    }
+
+    /// Adds a block of a camera's picture: its sample to the tile in which the sample lies, and all that it covers to all
+    /// tiles that it reaches into.
+    pub fn add_block(&mut self, block: &FilmBlock) {
+        if let Some(sample) = &block.sample {
+            let tile = self.tile_of(sample.film);
+            self.bin(tile).add(sample, 1.0, &[], sample.depths);
+        }
+        self.cover(&block.points(), block.depths);
+    }
+
+    /// Adds the hull of some points to what has to be covered in all tiles that it reaches into.
+    pub fn cover(&mut self, points: &[DVec2], depths: [f64; 2]) {
+        let tiles = || points.iter().map(|point| self.tile_of(*point));
+        let first = tiles().reduce(USizeVec2::min).unwrap_or_default();
+        let last = tiles().reduce(USizeVec2::max).unwrap_or_default();
+        if first == last {
+            return self.bin(first).extend(points, depths);
+        }
+        let Ok(hull) = FilmHull::new(points.iter().copied()) else {
+            // One ray, or one plane of light.
+            for point in points {
+                let tile = self.tile_of(*point);
+                self.bin(tile).extend(&[*point], depths);
+            }
+            return;
+        };
+        for row in first.y..=last.y {
+            for column in first.x..=last.x {
+                let tile = USizeVec2::new(column, row);
+                let part = self.part_inside(hull.points(), tile);
+                if !part.is_empty() {
+                    self.bin(tile).extend(&part, depths);
+                }
+            }
+        }
+    }
+
+    /// Moves the outlines of all tiles outwards by a distance on the base film.
+    pub fn dilate(&mut self, distance: f64) {
+        for bin in &mut self.bins {
+            bin.dilate(distance);
+        }
+    }
+
+    fn tile_of(&self, film: DVec2) -> USizeVec2 {
+        tile_at(self.size, grid_place(self.ground.as_ref(), film).0)
     }
 
     /// Adds a sample: its pixel is cut at the borders of the tiles, so that films of neighbouring tiles meet without a gap
     /// and nothing counts twice.
     pub fn add(&mut self, sample: &FilmSample) {
-        let corners = sample.corners.map(|corner| tile_at(self.size, corner));
+        let corners = sample.corners.map(|corner| self.tile_of(corner));
         let first = corners.iter().copied().reduce(USizeVec2::min).unwrap_or_default();
         let last = corners.iter().copied().reduce(USizeVec2::max).unwrap_or_default();
         let whole = doubled_area(&sample.corners);
         if first == last || !(whole > 0.0) {
-            let tile = tile_at(self.size, sample.film);
+            let tile = self.tile_of(sample.film);
             return self.bin(tile).add(sample, 1.0, &sample.corners, sample.depths);
         }
         for row in first.y..=last.y {
@@ -77,15 +150,20 @@ impl FilmTiles {
 
     /// The part of a convex polygon that lies in a tile.
     fn part_inside(&self, polygon: &[DVec2], tile: USizeVec2) -> Vec<DVec2> {
-        let border = |index: USizeVec2| index.as_dvec2() / self.size.as_dvec2() * 2.0 - 1.0;
+        let border = |index: USizeVec2| index.as_dvec2() / self.size.as_dvec2();
         let (low, high) = (border(tile), border(tile + 1));
+        // Times w a place is linear in the point.
+        let beyond = |point: DVec2, border: f64, axis: usize| {
+            let (place, width) = grid_place(self.ground.as_ref(), point);
+            (place[axis] - border) * width
+        };
         let mut part = polygon.to_vec();
         for axis in 0..2 {
             if tile[axis] > 0 {
-                part = half(&part, |point| point[axis] - low[axis]);
+                part = clip_polygon(&part, |point| beyond(point, low[axis], axis));
             }
             if tile[axis] + 1 < self.size[axis] {
-                part = half(&part, |point| high[axis] - point[axis]);
+                part = clip_polygon(&part, |point| -beyond(point, high[axis], axis));
             }
         }
         part
@@ -99,6 +177,15 @@ impl FilmTiles {
             }
         }
         gathered
+    }
+
+    /// Whether every tile with samples lies in one of the rectangles.
+    pub(super) fn are_all_in(&self, rects: &[TileRect]) -> bool {
+        let mut filled = (0..self.bins.len()).filter(|index| !self.bins[*index].is_empty());
+        filled.all(|index| {
+            let tile = self.tile(index);
+            rects.iter().any(|rect| is_inside(&[tile, tile + 1], rect))
+        })
     }
 
     /// Merges tiles until the limits hold, and solves for the film of each rectangle. [`FilmTiles::cut`] is better and
@@ -151,7 +238,7 @@ impl FilmTiles {
         mut rects: Vec<TileRect>,
         objective: FilmObjective,
     ) -> Result<(FilmPartition, TileOwners), FilmError> {
-        rects.sort_by_key(|[first, _]| (first.y, first.x));
+        sort_rects(&mut rects);
         let frusta = rects
             .iter()
             .map(|rect| FilmFrustum::of_bin(&self.gathered(*rect), objective, &[]))
@@ -159,6 +246,7 @@ impl FilmTiles {
         let owner = |tile| rects.iter().position(|rect| is_inside(&[tile, tile + 1], rect));
         let owners = TileOwners {
             size: self.size,
+            ground: self.ground,
             owners: (0..self.bins.len()).map(|index| owner(self.tile(index))).collect(),
         };
         Ok((FilmPartition { frusta }, owners))
@@ -170,10 +258,12 @@ impl FilmTiles {
 }
 
 /// Which film each tile belongs to: the lookup of a pixel.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TileOwners {
     /// Tiles along both axes.
     pub size: USizeVec2,
+    /// The film that the tiles divide; `None`: the base film.
+    pub ground: Option<Film>,
     /// Row by row the index of the film, `None` where there were no samples.
     pub owners: Vec<Option<usize>>,
 }
@@ -181,37 +271,26 @@ pub struct TileOwners {
 impl TileOwners {
     /// The film of a point of the base film.
     pub fn owner(&self, film: DVec2) -> Option<usize> {
-        let place = tile_at(self.size, film);
+        let place = tile_at(self.size, grid_place(self.ground.as_ref(), film).0);
         self.owners[place.y * self.size.x + place.x]
     }
 }
 
-/// The tile of a point of the base film.
-fn tile_at(size: USizeVec2, film: DVec2) -> USizeVec2 {
+/// The tile of a place in 0..1.
+fn tile_at(size: USizeVec2, place: DVec2) -> USizeVec2 {
     let tiles = size.as_dvec2();
-    let place = (film * 0.5 + 0.5) * tiles;
-    place.clamp(DVec2::ZERO, tiles - 1.0).as_usizevec2()
+    (place * tiles).clamp(DVec2::ZERO, tiles - 1.0).as_usizevec2()
+}
+
+/// By their first tiles, row by row.
+pub(super) fn sort_rects(rects: &mut [TileRect]) {
+    rects.sort_by_key(|[first, _]| (first.y, first.x));
 }
 
 /// Twice the area of a polygon, whichever way it turns.
 fn doubled_area(polygon: &[DVec2]) -> f64 {
     let pairs = polygon.iter().zip(polygon.iter().cycle().skip(1));
     pairs.map(|(a, b)| a.perp_dot(*b)).sum::<f64>().abs()
-}
-
-/// The part of a convex polygon where a linear function is not negative.
-fn half(polygon: &[DVec2], excess: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
-    let mut part = Vec::with_capacity(polygon.len() + 1);
-    for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
-        let (at_a, at_b) = (excess(*a), excess(*b));
-        if at_a >= 0.0 {
-            part.push(*a);
-        }
-        if (at_a >= 0.0) != (at_b >= 0.0) {
-            part.push(*a + (*b - *a) * (at_a / (at_a - at_b)));
-        }
-    }
-    part
 }
 
 fn around(a: TileRect, b: TileRect) -> TileRect {
