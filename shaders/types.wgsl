@@ -6,11 +6,13 @@
 struct LightView {
     // World to light clip space, reverse z, perspective along the warp axis only.
     clip_from_world: mat4x4<f32>,
-    // Cell of the atlas in texels: x, y, width, height.
+    // Rectangle of the atlas in texels: x, y, width, height.
     atlas_rect: vec4<f32>,
     // Half-open interval of view depth that this map is meant for, in metres.
     depth_range: vec2<f32>,
-    padding: vec2<f32>,
+    // Length of view depth before the end over which the next map takes over, in metres; for SELECTION_DEPTH.
+    seam_depth: f32,
+    padding: f32,
 }
 
 // Everything that the apply pass reads besides textures.
@@ -41,7 +43,14 @@ struct ApplyParameters {
     search_taps: u32,
     // Tangent of half the sun's angular diameter, for FILTER_PCSS.
     sun_tangent: f32,
-    padding: f32,
+    // Width of the blend at the borders of maps: share of their sides, or metres across the light if above 0.
+    seam_share: f32,
+    seam_metres: f32,
+    // 1: maps are blended where they meet.
+    has_seams: u32,
+    // View depth at which shadows have faded out, and length of the fade before it, in metres; 0: no fade.
+    fade_end: f32,
+    fade_length: f32,
 }
 
 // One pass of the eye-space blur: half an iteration.
@@ -60,6 +69,8 @@ const SELECTION_DEPTH: u32 = 0u;
 const SELECTION_BEST_RESOLUTION: u32 = 1u;
 // Bevy's: the first map that ends behind the pixel, whether it contains it or not.
 const SELECTION_CASCADES: u32 = 2u;
+// The map with the most texels around the point.
+const SELECTION_FINEST: u32 = 3u;
 const FILTER_HARD: u32 = 0u;
 const FILTER_PCF2: u32 = 1u;
 const FILTER_POISSON: u32 = 2u;

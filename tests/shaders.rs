@@ -59,10 +59,13 @@ macro_rules! assert_layout {
 
 #[test]
 fn layouts_agree() {
-    assert_layout!(GpuLightView, "LightView", { clip_from_world, atlas_rect, depth_range, padding });
+    assert_layout!(GpuLightView, "LightView", {
+        clip_from_world, atlas_rect, depth_range, seam_depth, padding,
+    });
     assert_layout!(ApplyParameters, "ApplyParameters", {
         light_views, direction_to_light, light_view_count, shadow_distance, selection, filter_kind, bias_kind,
-        bias_value, opacity, bias_units, filter_taps, filter_radius, search_taps, sun_tangent, padding,
+        bias_value, opacity, bias_units, filter_taps, filter_radius, search_taps, sun_tangent,
+        seam_share, seam_metres, has_seams, fade_end, fade_length,
     });
     assert_layout!(GpuEyeBlur, "EyeBlur", { iterations, full_depth, iteration, axis });
     assert_layout!(CasterBin, "CasterBin", {

@@ -25,7 +25,7 @@
     scaled,
     soft,
 }
-#import umbrage::selection::{Selected, parameters, select_view}
+#import umbrage::selection::{Selected, next_view, parameters, range_fade, select_view, view_share}
 #import umbrage::surface::{Surface, load_depth, surface_at}
 #import umbrage::types::{
     BIAS_CONSTANT,
@@ -54,11 +54,40 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
         return 1.0;
     }
     let surface = surface_at(in.position.xy, depth_ndc, parameters.direction_to_light);
-    let selected = select_view(surface);
+    let lit = blended_visibility(surface, pixel_angle(in.position.xy));
+    if parameters.fade_length > 0.0 {
+        return mix(1.0, lit, range_fade(surface.view_depth));
+    }
+    return lit;
+}
+
+// Every view takes its share, the last one that holds the point all that is left. Without seams the first takes all.
+fn blended_visibility(surface: Surface, angle: f32) -> f32 {
+    var selected = select_view(surface);
     if !selected.is_found {
         return 1.0;
     }
-    return visibility(selected, surface, pixel_angle(in.position.xy));
+    var lit = 0.0;
+    var left = 1.0;
+    loop {
+        let visible = visibility(selected, surface, angle);
+        var next: Selected;
+        var weight = left;
+        if parameters.has_seams == 1u {
+            weight = left * view_share(selected, surface);
+            if weight < left {
+                next = next_view(surface, selected);
+            }
+        }
+        if !next.is_found {
+            lit += left * visible;
+            break;
+        }
+        lit += weight * visible;
+        left -= weight;
+        selected = next;
+    }
+    return lit;
 }
 
 // `angle`: by which this pixel turns its disc of taps.

@@ -12,7 +12,10 @@ use crate::{
     level::Sun,
     maths::{split::SplitScheme, warp::Warp},
     shadow::{
-        settings::{PartitionSelection, Partitions, ShadowBias, ShadowFilter, ShadowPath, SunShadows},
+        settings::{
+            Faces, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams, ShadowBias, ShadowFilter,
+            ShadowPath, SunShadows,
+        },
         technique::Technique,
     },
 };
@@ -24,15 +27,15 @@ pub struct Chosen(pub Technique);
 /// One of the settings that the keys 1 to 9 step through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
-    /// Number of z-partitions.
+    /// Number of z-partitions, or face partitions.
     Partitions,
     /// Split scheme.
     Split,
     /// Warp.
     Warp,
-    /// Texels per side of a map.
+    /// Texels per side of a map, and whether they are divided by need.
     MapSize,
-    /// Which map a point reads.
+    /// Which map a point reads, and how wide maps are blended.
     Selection,
     /// Filter of the depth comparison.
     Filter,
@@ -44,7 +47,20 @@ pub enum Setting {
     Distance,
 }
 
-const COUNTS: &[u32] = &[1, 2, 3, 4, 6, 8, 12, 16];
+const CUTS: &[(u32, Faces)] = &[
+    (1, Faces::Together),
+    (2, Faces::Together),
+    (3, Faces::Together),
+    (4, Faces::Together),
+    (6, Faces::Together),
+    (8, Faces::Together),
+    (12, Faces::Together),
+    (16, Faces::Together),
+    (1, Faces::Apart { near_map: true }),
+    (2, Faces::Apart { near_map: true }),
+    (3, Faces::Apart { near_map: true }),
+    (4, Faces::Apart { near_map: false }),
+];
 const SCHEMES: &[SplitScheme] = &[
     Partitions::SCHEME,
     SplitScheme::Logarithmic,
@@ -59,8 +75,20 @@ const WARPS: &[Warp] = &[
     Warp::Psm,
     Warp::Tsm { focus: Warp::TSM_FOCUS },
 ];
-const MAP_SIZES: &[u32] = &[512, 1024, 2048, 4096];
-const SELECTIONS: &[PartitionSelection] = &[PartitionSelection::BestResolution, PartitionSelection::Depth];
+const MAPS: &[(u32, MapResolution)] = &[
+    (512, MapResolution::Equal),
+    (1024, MapResolution::Equal),
+    (2048, MapResolution::Equal),
+    (4096, MapResolution::Equal),
+    (1024, MapResolution::Balanced),
+    (2048, MapResolution::Balanced),
+];
+const SELECTIONS: &[(PartitionSelection, SeamWidth)] = &[
+    (PartitionSelection::BestResolution, SeamWidth::None),
+    (PartitionSelection::BestResolution, SeamWidth::Share(0.05)),
+    (PartitionSelection::Depth, SeamWidth::None),
+    (PartitionSelection::Depth, SeamWidth::Share(0.1)),
+];
 const FILTERS: &[ShadowFilter] = &[
     ShadowFilter::Pcf2,
     ShadowFilter::Hard,
@@ -128,7 +156,11 @@ impl Setting {
     /// Its value on screen.
     pub fn value(self, settings: &SunShadows) -> String {
         match self {
-            Self::Partitions => settings.partitions.count.to_string(),
+            Self::Partitions => match (settings.partitions.faces, settings.partitions.count) {
+                (Faces::Together, count) => count.to_string(),
+                (Faces::Apart { .. }, 1) => "faces".into(),
+                (Faces::Apart { .. }, count) => format!("faces x {count}"),
+            },
             Self::Split => match &settings.partitions.scheme {
                 SplitScheme::Uniform => "uniform".into(),
                 SplitScheme::Logarithmic => "logarithmic".into(),
@@ -143,11 +175,22 @@ impl Setting {
                 Warp::Tsm { focus } => format!("TSM {focus}"),
                 Warp::Free { eta } => format!("free {eta}"),
             },
-            Self::MapSize => format!("{} texels", settings.map_size),
-            Self::Selection => match settings.selection {
-                PartitionSelection::Depth => "by depth".into(),
-                PartitionSelection::BestResolution => "best resolution".into(),
+            Self::MapSize => match settings.partitions.resolution {
+                MapResolution::Equal => format!("{} texels", settings.map_size),
+                MapResolution::Balanced => format!("{} texels on average", settings.map_size),
             },
+            Self::Selection => {
+                let rule = match (settings.partitions.faces, settings.selection) {
+                    (Faces::Apart { .. }, _) => "finest map",
+                    (_, PartitionSelection::Depth) => "by depth",
+                    (_, PartitionSelection::BestResolution) => "best resolution",
+                };
+                match settings.seams.width {
+                    SeamWidth::None => rule.into(),
+                    SeamWidth::Share(share) => format!("{rule}, seams of {share}"),
+                    SeamWidth::Metres(metres) => format!("{rule}, seams of {metres} m"),
+                }
+            }
             Self::Filter => match settings.filter {
                 ShadowFilter::Hard => "hard".into(),
                 ShadowFilter::Pcf2 => "2x2 PCF".into(),
@@ -183,11 +226,20 @@ impl Setting {
     pub fn step(self, settings: &mut SunShadows, back: bool) {
         let partitions = &mut settings.partitions;
         match self {
-            Self::Partitions => partitions.count = neighbor(COUNTS, &partitions.count, back),
+            Self::Partitions => {
+                let cut = (partitions.count, partitions.faces);
+                (partitions.count, partitions.faces) = neighbor(CUTS, &cut, back);
+            }
             Self::Split => partitions.scheme = neighbor(SCHEMES, &partitions.scheme, back),
             Self::Warp => settings.warp = neighbor(WARPS, &settings.warp, back),
-            Self::MapSize => settings.map_size = neighbor(MAP_SIZES, &settings.map_size, back),
-            Self::Selection => settings.selection = neighbor(SELECTIONS, &settings.selection, back),
+            Self::MapSize => {
+                let maps = (settings.map_size, partitions.resolution);
+                (settings.map_size, partitions.resolution) = neighbor(MAPS, &maps, back);
+            }
+            Self::Selection => {
+                let selection = (settings.selection, settings.seams.width);
+                (settings.selection, settings.seams.width) = neighbor(SELECTIONS, &selection, back);
+            }
             Self::Filter => settings.filter = neighbor(FILTERS, &settings.filter, back),
             Self::Bias => settings.bias = neighbor(BIASES, &settings.bias, back),
             Self::Path => settings.path = neighbor(PATHS, &settings.path, back),
@@ -204,6 +256,17 @@ impl Setting {
         }
         while settings.path == ShadowPath::DropIn && !settings.bias.is_for_drop_in() {
             settings.bias = neighbor(BIASES, &settings.bias, back);
+        }
+        if settings.path == ShadowPath::DropIn {
+            settings.seams = Seams::NONE;
+            if settings.partitions.resolution != MapResolution::Equal {
+                settings.partitions.resolution = MapResolution::Equal;
+                settings.map_size = MAPS[if back { 3 } else { 0 }].0;
+            }
+            if settings.partitions.faces != Faces::Together {
+                settings.partitions.faces = Faces::Together;
+                settings.partitions.count = SunShadows::MAX_DROP_IN_PARTITIONS;
+            }
         }
         let count = &mut settings.partitions.count;
         if settings.path == ShadowPath::DropIn && *count > SunShadows::MAX_DROP_IN_PARTITIONS {
@@ -365,7 +428,7 @@ mod tests {
             ..Default::default()
         };
         Setting::MapSize.step(&mut settings, false);
-        assert_eq!(settings.map_size, MAP_SIZES[0]);
+        assert_eq!(settings.map_size, MAPS[0].0);
     }
 
     #[test]

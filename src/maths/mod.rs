@@ -6,7 +6,7 @@
 //! From a camera to a light view:
 //!
 //! ```
-//! use bevy_math::DVec3;
+//! use bevy_math::{DVec3, UVec2};
 //! use umbrage::maths::{body, bounds::Bounds, fit, split, view::ViewVolume, warp::Warp};
 //!
 //! let scene = Bounds::new(DVec3::new(-50.0, 0.0, -50.0), DVec3::new(50.0, 12.0, 50.0));
@@ -25,7 +25,7 @@
 //!         body: &body::intersection_body(&visible, &scene, light_travel),
 //!         light_travel,
 //!         warp: Warp::Lispsm,
-//!         map_size: 2048,
+//!         map_size: UVec2::splat(2048),
 //!         guard_texels: 2.0,
 //!         guard_metres: 0.0,
 //!         options: fit::FitOptions::default(),

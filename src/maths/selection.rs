@@ -1,14 +1,20 @@
 //! Which light view a point is looked up in; the CPU twin of `shaders/selection.wgsl`, and the seams between light views.
 //!
 //! Partitions overlap as maps: that of one slice contains much of its neighbours, all of it when light and view are
-//! parallel. So there are three rules ([`Selection`]), one formula without branches for the first ([`selection_mask`]),
-//! weights that hide the seams ([`depth_seam`], [`border_weights`]) and one that hides the end ([`range_fade`]).
+//! parallel. So there are four rules ([`Selection`]), one formula without branches for the first ([`selection_mask`]),
+//! weights that hide the seams ([`depth_seam`], [`border_weights`]; [`view_weights`] for every rule, as the shader has them)
+//! and one that hides the end ([`range_fade`]).
+//!
+//! Face partitions could be told apart by their columns ([`partition_of_point`](super::face::partition_of_point)). The
+//! shader takes the map with the most texels around the point instead: the maps are rectangles around their columns, so
+//! that parts of a column lie in finer maps of others; no plane has to go to the GPU; and where two columns meet, both maps
+//! are about equally fine.
 //! Split distances are those of [`split_depths`](super::split::split_depths); intervals are half open, so that every
 //! depth has exactly one partition. Lloyd's mask has both comparisons strict: a depth on a split would have none.
 
-use bevy_math::{DMat4, DVec2, DVec3};
+use bevy_math::{DMat4, DVec2, DVec3, UVec2, Vec4Swizzles};
 
-use super::split::MAX_PARTITIONS;
+use super::{footprint::texel_footprint, split::MAX_PARTITIONS};
 
 /// How a light view is chosen for a point; in the order of the constants `SELECTION_*` of `shaders/types.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,6 +25,8 @@ pub enum Selection {
     BestResolution,
     /// The first map that does not end in front of the point, whether it contains it or not: Bevy's cascades.
     Cascades,
+    /// The map with the most texels around the point, of those that contain it: for face partitions, which have no order.
+    Finest,
 }
 
 /// What selection needs to know of a light view.
@@ -30,9 +38,18 @@ pub struct SelectableView {
     pub end_depth: f64,
     /// Share of the map that the filter reads on each side of a point: its radius in texels ÷ texels per side.
     pub margin: DVec2,
+    /// Texels of the map.
+    pub size: UVec2,
+    /// Length of view depth before the end over which the next map takes over, in metres; for [`Selection::Depth`].
+    pub seam_depth: f64,
 }
 
 impl SelectableView {
+    /// Texels per square metre across the light, at a point; 0 behind the projection centre.
+    pub fn density(&self, point: DVec3) -> f64 {
+        texel_footprint(&self.clip_from_world, self.size, point).map_or(0.0, |footprint| 1.0 / footprint.area())
+    }
+
     /// Texture coordinates 0..=1, y down, and reverse depth; `None` behind the projection centre.
     fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
         let clip = self.clip_from_world * point.extend(1.0);
@@ -49,9 +66,31 @@ impl SelectableView {
     /// Distance in texture coordinates from the point to the border that the filter must not cross, negative outside.
     /// `None` where the map has no depth for the point.
     fn room(&self, point: DVec3) -> Option<f64> {
+        self.rooms(point).map(DVec2::min_element)
+    }
+
+    /// The same across both pairs of borders.
+    fn rooms(&self, point: DVec3) -> Option<DVec2> {
         let (uv, depth) = self.project(point)?;
-        let room = (uv.min(1.0 - uv) - self.margin).min_element();
-        (0.0..=1.0).contains(&depth).then_some(room)
+        (0.0..=1.0).contains(&depth).then(|| uv.min(1.0 - uv) - self.margin)
+    }
+
+    /// Texture coordinates per metre across the light: half the box around the image of a disc with a radius of one metre.
+    fn uv_per_metre(&self, point: DVec3) -> DVec2 {
+        let clip = self.clip_from_world * point.extend(1.0);
+        let gradient = |row: usize, coordinate: f64| {
+            let gradient =
+                self.clip_from_world.row(row).xyz() - self.clip_from_world.row(3).xyz() * (coordinate / clip.w);
+            (gradient * (0.5 / clip.w)).length()
+        };
+        DVec2::new(gradient(0, clip.x), gradient(1, clip.y))
+    }
+
+    /// How much of a point the map takes near its border: all of it up to the band, nothing at the border itself.
+    fn border_share(&self, point: DVec3, band: BorderBand) -> f64 {
+        let width = band.width(self, point);
+        let rooms = self.rooms(point).unwrap_or_default();
+        fade_out(-rooms.x, 0.0, width.x).min(fade_out(-rooms.y, 0.0, width.y))
     }
 }
 
@@ -77,6 +116,9 @@ pub fn select_view(
     if view_depth >= shadow_distance {
         return selected;
     }
+    if selection == Selection::Finest {
+        return finest_view(views, point, None);
+    }
     for (index, view) in views.iter().enumerate() {
         let is_last = index + 1 == views.len();
         let is_behind = view_depth >= view.end_depth && !is_last;
@@ -92,6 +134,85 @@ pub fn select_view(
         }
     }
     selected
+}
+
+/// The finest map that contains a point, of all or of those that are coarser than another (of equally fine ones: behind it).
+fn finest_view(views: &[SelectableView], point: DVec3, coarser_than: Option<usize>) -> Selected {
+    let key = |index: usize| (views[index].density(point), std::cmp::Reverse(index));
+    let finest = (0..views.len())
+        .filter(|index| views[*index].contains(point))
+        .filter(|index| coarser_than.is_none_or(|other| key(*index) < key(other)))
+        .max_by(|a, b| key(*a).partial_cmp(&key(*b)).unwrap_or(std::cmp::Ordering::Equal));
+    finest.map_or_else(Selected::default, |index| Selected { index, is_found: true })
+}
+
+/// How wide maps are blended at their borders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BorderBand {
+    /// Not at all.
+    None,
+    /// A share of the map's sides.
+    Share(f64),
+    /// Metres across the light.
+    Metres(f64),
+}
+
+impl BorderBand {
+    /// The width in texture coordinates at a point.
+    fn width(self, view: &SelectableView, point: DVec3) -> DVec2 {
+        match self {
+            Self::None => DVec2::ZERO,
+            Self::Share(share) => DVec2::splat(share),
+            Self::Metres(metres) => view.uv_per_metre(point) * metres,
+        }
+    }
+}
+
+/// Weights of all light views for a point, step by step as the shader has them: the view that [`select_view`] finds, and
+/// the next ones by the same rule as far as its seam leaves something to them. [`Selection::Depth`] blends over
+/// [`SelectableView::seam_depth`] before the end of an interval ([`depth_seam`]), the other rules over `band` before the
+/// border of a map ([`border_weights`]). The weights sum to 1, or are all 0 where the point is in no map.
+pub fn view_weights(
+    views: &[SelectableView],
+    selection: Selection,
+    band: BorderBand,
+    point: DVec3,
+    view_depth: f64,
+    shadow_distance: f64,
+) -> Vec<f64> {
+    let mut weights = vec![0.0; views.len()];
+    let mut selected = select_view(views, selection, point, view_depth, shadow_distance);
+    let mut left = 1.0;
+    while selected.is_found {
+        let view = &views[selected.index];
+        let share = match selection {
+            _ if selected.index + 1 == views.len() && selection != Selection::Finest => 1.0,
+            Selection::Depth => fade_out(view_depth, view.end_depth, view.seam_depth),
+            _ => view.border_share(point, band),
+        };
+        let weight = left * share;
+        weights[selected.index] += weight;
+        left -= weight;
+        if left <= 0.0 {
+            break;
+        }
+        let next = match selection {
+            Selection::Finest => finest_view(views, point, Some(selected.index)),
+            _ => {
+                let start = selected.index + 1;
+                let next = select_view(&views[start..], selection, point, view_depth, shadow_distance);
+                Selected {
+                    index: next.index + start,
+                    ..next
+                }
+            }
+        };
+        if !next.is_found {
+            weights[selected.index] += left;
+        }
+        selected = next;
+    }
+    weights
 }
 
 /// The partition of a view depth: C_i <= depth < C_(i+1), the last including its end. `None` outside the range.

@@ -1,4 +1,4 @@
-//! [`ShadowAtlas`]: one depth texture with a cell per light view (Stingl, section 3.3.5).
+//! [`ShadowAtlas`]: one depth texture with a rectangle per light view (Stingl, section 3.3.5; Lloyd, section 6.1).
 
 use bevy::{
     log::warn_once,
@@ -14,6 +14,7 @@ use bevy::{
 };
 
 use super::extract::ExtractedSun;
+use crate::shadow::layout::AtlasLayout;
 
 /// Format of caster depth.
 pub const ATLAS_FORMAT: TextureFormat = TextureFormat::Depth32Float;
@@ -27,14 +28,10 @@ pub struct ShadowAtlas {
     pub texture: Texture,
     /// Default view of the texture.
     pub view: TextureView,
-    /// The second surface from the light in the same cells, or the middle between both, where the sun's settings ask for it.
+    /// The second surface from the light in the same places, or the middle between both, where the sun's settings ask for it.
     pub second: Option<(Texture, TextureView)>,
-    /// Cells per side.
-    pub grid: u32,
-    /// Texels per side of a cell.
-    pub cell: u32,
-    /// Cells in use.
-    pub count: u32,
+    /// Where the maps lie, within what the device can hold.
+    pub layout: AtlasLayout,
 }
 
 /// On a camera's render entity: the shadow result, as large as the camera's target.
@@ -49,9 +46,9 @@ pub struct ShadowResult {
 }
 
 impl ShadowAtlas {
-    /// Texel rectangle of a cell: x, y, width, height. Row-major from the top left.
-    pub fn rect(&self, index: u32) -> UVec4 {
-        cell_rect(index, self.grid, self.cell)
+    /// Texel rectangle of a light view's map: x, y, width, height.
+    pub fn rect(&self, index: usize) -> UVec4 {
+        self.layout.rects.get(index).copied().unwrap_or_default()
     }
 
     /// The depths that lookups compare with.
@@ -61,29 +58,9 @@ impl ShadowAtlas {
 
     /// Bytes of texture memory.
     pub fn bytes(&self) -> u64 {
-        let side = u64::from(self.grid * self.cell);
+        let side = u64::from(self.layout.side);
         side * side * if self.second.is_some() { 8 } else { 4 }
     }
-}
-
-/// Cells per side for a number of maps: 1, 2 (up to 4), 3 (up to 9), 4 (up to 16).
-pub const fn atlas_grid(count: u32) -> u32 {
-    match count {
-        0 | 1 => 1,
-        2..=4 => 2,
-        5..=9 => 3,
-        _ => 4,
-    }
-}
-
-/// Texel rectangle of a cell: x, y, width, height. Row-major from the top left.
-pub const fn cell_rect(index: u32, grid: u32, cell: u32) -> UVec4 {
-    UVec4::new(index % grid * cell, index / grid * cell, cell, cell)
-}
-
-/// Texels per side of a cell that the device can hold.
-pub fn cell_size(wanted: u32, grid: u32, max_texture_side: u32) -> u32 {
-    wanted.clamp(1, max_texture_side / grid)
 }
 
 /// Makes or keeps the textures of every camera with a full-path sun.
@@ -107,42 +84,43 @@ pub fn prepare_atlas(
             commands.entity(entity).remove::<(ShadowAtlas, ShadowResult)>();
             continue;
         };
-        let count = sun.light_views.len() as u32;
-        let grid = atlas_grid(count);
-        let cell = cell_size(sun.settings.map_size, grid, device.limits().max_texture_dimension_2d);
-        if cell != sun.settings.map_size {
-            warn_once!(
-                "map_size {} does not fit the device's textures and is reduced to {cell}",
-                sun.settings.map_size
-            );
-        }
-        let is_layered = sun.settings.store.is_layered();
-        if !atlas.is_some_and(|atlas| {
-            (atlas.grid, atlas.cell, atlas.count, atlas.second.is_some()) == (grid, cell, count, is_layered)
-        }) {
-            let create = |label| create_target(&device, label, UVec2::splat(grid * cell), ATLAS_FORMAT);
-            let same_size = atlas.filter(|atlas| (atlas.grid, atlas.cell) == (grid, cell));
-            let (texture, view) = match same_size {
-                Some(atlas) => (atlas.texture.clone(), atlas.view.clone()),
-                None => create("umbrage_shadow_atlas"),
-            };
-            let second = is_layered.then(|| {
-                let known = same_size.and_then(|atlas| atlas.second.clone());
-                known.unwrap_or_else(|| create("umbrage_second_shadow_atlas"))
-            });
-            commands.entity(entity).insert(ShadowAtlas {
-                texture,
-                view,
-                second,
-                grid,
-                cell,
-                count,
-            });
+        if sun.layout.side > 0 || atlas.is_none() {
+            let atlas = next_atlas(&device, sun, atlas);
+            commands.entity(entity).insert(atlas);
         }
         if result.is_none_or(|result| result.size != size) {
             let (texture, view) = create_target(&device, "umbrage_shadow_result", size, RESULT_FORMAT);
             commands.entity(entity).insert(ShadowResult { texture, view, size });
         }
+    }
+}
+
+/// The atlas of a frame: the textures of the frame before as far as their size is right.
+fn next_atlas(device: &RenderDevice, sun: &ExtractedSun, before: Option<&ShadowAtlas>) -> ShadowAtlas {
+    let largest = device.limits().max_texture_dimension_2d;
+    let layout = sun.layout.shrunk(largest);
+    if layout.side < sun.layout.side {
+        warn_once!(
+            "the shadow maps need a texture of {} texels per side; the device has {largest}: they are reduced",
+            sun.layout.side
+        );
+    }
+    let side = layout.side.max(1);
+    let create = |label| create_target(device, label, UVec2::splat(side), ATLAS_FORMAT);
+    let same_size = before.filter(|atlas| atlas.texture.width() == side);
+    let (texture, view) = match same_size {
+        Some(atlas) => (atlas.texture.clone(), atlas.view.clone()),
+        None => create("umbrage_shadow_atlas"),
+    };
+    let second = sun.settings.store.is_layered().then(|| {
+        let known = same_size.and_then(|atlas| atlas.second.clone());
+        known.unwrap_or_else(|| create("umbrage_second_shadow_atlas"))
+    });
+    ShadowAtlas {
+        texture,
+        view,
+        second,
+        layout,
     }
 }
 
@@ -168,37 +146,4 @@ pub(super) fn create_target(
     });
     let view = texture.create_view(&TextureViewDescriptor::default());
     (texture, view)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cells_fill_the_grid_without_overlap() {
-        for count in 1..=16_u32 {
-            let grid = atlas_grid(count);
-            assert!(grid * grid >= count, "{count} maps need more than {grid}² cells");
-            assert!(
-                grid == 1 || (grid - 1) * (grid - 1) < count,
-                "{grid}² cells are too many for {count} maps"
-            );
-            for a in 0..count {
-                let rect = cell_rect(a, grid, 8);
-                assert!(
-                    rect.x + rect.z <= grid * 8 && rect.y + rect.w <= grid * 8,
-                    "cell {a} of {count} is outside"
-                );
-                for b in 0..a {
-                    assert_ne!(rect, cell_rect(b, grid, 8), "cells {a} and {b} of {count} coincide");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn cells_are_reduced_to_the_device() {
-        assert_eq!(cell_size(4096, 4, 8192), 2048, "four cells of 4096 do not fit 8192");
-        assert_eq!(cell_size(2048, 2, 8192), 2048, "a size that fits is kept");
-    }
 }

@@ -8,6 +8,7 @@ use bevy::{
 use super::camera::takes_full_path;
 use crate::shadow::{
     checked::checked,
+    layout::AtlasLayout,
     settings::{ShadowPath, SunShadows},
     timing::SystemTimes,
     views::{LightView, SunViews},
@@ -24,8 +25,12 @@ pub struct ExtractedSun {
     pub direction_to_light: Vec3,
     /// View depth from which everything is lit, metres.
     pub shadow_distance: f32,
+    /// View depth at which shadows end whatever is seen, metres; may be infinite.
+    pub end_depth: f32,
     /// One per map, nearest first.
     pub light_views: Vec<LightView>,
+    /// Where the maps lie in the atlas; of no size for a camera that sees nothing.
+    pub layout: AtlasLayout,
 }
 
 /// Extracts [`ExtractedSun`].
@@ -73,6 +78,8 @@ fn extract_suns(
                     .iter()
                     .map(|partition| partition.light_view.clone())
                     .collect(),
+                end_depth: camera_views.map_or(f32::INFINITY, |views| views.end_depth),
+                layout: camera_views.map(|views| views.layout.clone()).unwrap_or_default(),
             })
         });
         match (found, already.get_mut(camera_render.id())) {

@@ -12,12 +12,14 @@ pub const MAX_LIGHT_VIEWS: usize = 16;
 pub struct GpuLightView {
     /// World to light clip space, reverse z.
     pub clip_from_world: Mat4,
-    /// Cell of the atlas in texels: x, y, width, height.
+    /// Rectangle of the atlas in texels: x, y, width, height.
     pub atlas_rect: Vec4,
     /// Half-open interval of view depth, metres.
     pub depth_range: Vec2,
+    /// Length of view depth before its end over which the next map takes over, metres.
+    pub seam_depth: f32,
     /// Unused.
-    pub padding: Vec2,
+    pub padding: f32,
 }
 
 /// Everything that the apply pass reads besides textures.
@@ -31,7 +33,7 @@ pub struct ApplyParameters {
     pub light_view_count: u32,
     /// View depth from which everything is lit, metres.
     pub shadow_distance: f32,
-    /// 0 by depth, 1 best resolution, 2 as Bevy's cascades.
+    /// 0 by depth, 1 the first that contains the point, 2 as Bevy's cascades, 3 the finest.
     pub selection: u32,
     /// 0 hard, 1 bilinear, 2 disc, 3 penumbra.
     pub filter_kind: u32,
@@ -51,8 +53,16 @@ pub struct ApplyParameters {
     pub search_taps: u32,
     /// Tangent of half the sun's angular diameter.
     pub sun_tangent: f32,
-    /// Unused.
-    pub padding: f32,
+    /// Width of the blend at the borders of maps: share of their sides.
+    pub seam_share: f32,
+    /// The same in metres across the light, if above 0.
+    pub seam_metres: f32,
+    /// 1: maps are blended where they meet.
+    pub has_seams: u32,
+    /// View depth at which shadows have faded out, metres.
+    pub fade_end: f32,
+    /// Length of the fade before it, metres; 0: none.
+    pub fade_length: f32,
 }
 
 /// One pass of the eye-space blur.

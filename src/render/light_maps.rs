@@ -6,9 +6,10 @@ use bevy::{
     prelude::*,
 };
 
+use crate::maths::footprint::texel_footprint;
 use crate::shadow::{
     checked::checked,
-    settings::{PartitionSelection, ShadowPath, SunShadows},
+    settings::{Faces, PartitionSelection, ShadowPath, SunShadows},
     views::SunViews,
 };
 
@@ -17,8 +18,8 @@ use crate::shadow::{
 pub struct LightMap {
     /// World to light clip space.
     pub clip_from_world: DMat4,
-    /// Texels per side.
-    pub size: u32,
+    /// Texels across and along the map's axes.
+    pub size: UVec2,
     /// View depth in metres from which the map is meant to be used.
     pub near_depth: f64,
     /// View depth up to which it is.
@@ -33,6 +34,8 @@ pub enum Selection {
     Depth,
     /// The first map that contains the pixel; maps are in the order of their resolution (`apply_views.wgsl`).
     BestResolution,
+    /// Of the maps that contain the pixel the one with the most texels around it (`apply_views.wgsl`).
+    Finest,
     /// Bevy's: the first map that ends behind the pixel, whether it contains it or not. Where two cascades are blended, the
     /// finer one counts.
     Cascades,
@@ -66,15 +69,16 @@ impl LightMaps {
             .flat_map(|views| &views.partitions)
             .map(|partition| LightMap {
                 clip_from_world: partition.light_view.clip_from_world.as_dmat4(),
-                size: settings.map_size,
+                size: partition.light_view.atlas_rect.zw(),
                 near_depth: f64::from(partition.light_view.near_depth),
                 far_depth: f64::from(partition.light_view.far_depth),
             });
         Self {
             maps: maps.collect(),
-            selection: match settings.selection {
-                PartitionSelection::Depth => Selection::Depth,
-                PartitionSelection::BestResolution => Selection::BestResolution,
+            selection: match (settings.partitions.faces, settings.selection) {
+                (Faces::Apart { .. }, _) => Selection::Finest,
+                (Faces::Together, PartitionSelection::Depth) => Selection::Depth,
+                (Faces::Together, PartitionSelection::BestResolution) => Selection::BestResolution,
             },
             distance: views.map_or(0.0, |views| f64::from(views.far_depth)),
         }
@@ -103,7 +107,7 @@ impl LightMaps {
             .zip(ranges)
             .map(|(cascade, (near, far))| LightMap {
                 clip_from_world: cascade.clip_from_world.as_dmat4(),
-                size,
+                size: UVec2::splat(size),
                 near_depth: f64::from(near),
                 far_depth: f64::from(*far),
             })
@@ -117,7 +121,8 @@ impl LightMaps {
 
     /// Texels of all maps.
     pub fn texels(&self) -> u64 {
-        self.maps.iter().map(|map| u64::from(map.size).pow(2)).sum()
+        let texels = self.maps.iter().map(|map| map.size.as_u64vec2().element_product());
+        texels.sum()
     }
 
     /// The map in which the shadow of a world-space point at a view depth is looked up; `None`: it is lit without a look.
@@ -131,6 +136,9 @@ impl LightMaps {
             Selection::Depth => maps
                 .find(|(index, map)| (view_depth < map.far_depth || *index == last) && map.contains(point_world, 1.0)),
             Selection::BestResolution => maps.find(|(_, map)| map.contains(point_world, 1.0)),
+            Selection::Finest => maps
+                .filter(|(_, map)| map.contains(point_world, 1.0))
+                .max_by(|(_, a), (_, b)| a.density(point_world).total_cmp(&b.density(point_world))),
             Selection::Cascades => maps
                 .find(|(_, map)| view_depth < map.far_depth)
                 .filter(|(_, map)| map.contains(point_world, 0.0)),
@@ -144,14 +152,19 @@ impl LightMap {
     fn contains(&self, point_world: DVec3, margin: f64) -> bool {
         let clip = self.clip_from_world * point_world.extend(1.0);
         let ndc = clip.truncate() / clip.w;
-        let limit = 1.0 - 2.0 * margin / f64::from(self.size);
-        clip.w > 0.0 && ndc.xy().abs().max_element() <= limit && (0.0..=1.0).contains(&ndc.z)
+        let limit = 1.0 - 2.0 * margin / self.size.as_dvec2();
+        clip.w > 0.0 && ndc.xy().abs().cmple(limit).all() && (0.0..=1.0).contains(&ndc.z)
     }
 
     /// Texel coordinates of a world-space point, from the map's lower left corner (y upwards, as in clip space).
     pub fn texel(&self, point_world: DVec3) -> DVec2 {
         let ndc = self.clip_from_world.project_point3(point_world);
-        (ndc.xy() * 0.5 + 0.5) * f64::from(self.size)
+        (ndc.xy() * 0.5 + 0.5) * self.size.as_dvec2()
+    }
+
+    /// Texels per square metre across the light at a world-space point.
+    fn density(&self, point_world: DVec3) -> f64 {
+        texel_footprint(&self.clip_from_world, self.size, point_world).map_or(0.0, |footprint| 1.0 / footprint.area())
     }
 }
 
@@ -168,7 +181,7 @@ mod tests {
                 [0.0, -1.0 / half, 0.0, 0.0],
                 [0.0, 0.0, 0.5, 1.0],
             ]),
-            size: 100,
+            size: UVec2::splat(100),
             near_depth: 0.1,
             far_depth,
         };
@@ -199,6 +212,17 @@ mod tests {
         assert_eq!(maps.select(DVec3::X * 5.0, 80.0), Some(0));
         assert_eq!(maps.select(DVec3::X * 50.0, 1.0), Some(2));
         assert_eq!(maps.select(DVec3::X * 99.0, 1.0), None);
+    }
+
+    #[test]
+    fn the_finest_map_is_taken_wherever_it_stands_in_the_list() {
+        let mut maps = maps(Selection::Finest);
+        maps.maps.reverse();
+        assert_eq!(maps.select(DVec3::X * 5.0, 80.0), Some(2));
+        assert_eq!(maps.select(DVec3::X * 20.0, 80.0), Some(1));
+        // Ten times the texels make the largest map the finest.
+        maps.maps[0].size = UVec2::new(4000, 1000);
+        assert_eq!(maps.select(DVec3::X * 5.0, 80.0), Some(0));
     }
 
     #[test]

@@ -5,7 +5,9 @@ use std::ops::RangeInclusive;
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::settings::{ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows};
+use super::settings::{
+    Faces, MapResolution, SeamWidth, Seams, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows,
+};
 use crate::maths::{split::SplitScheme, warp::Warp};
 
 /// Sides of maps that can be asked for, in texels.
@@ -22,6 +24,17 @@ pub enum Correction {
         "SunShadows::partitions.count must be 1 to 4 on the drop-in path, because Bevy looks up no more: the nearest is used"
     )]
     DropInCount,
+    /// `partitions.count` with face partitions.
+    #[error("SunShadows::partitions.count must be 1 to 4 with face partitions: the nearest is used")]
+    FaceCount,
+    /// `partitions.faces`.
+    #[error("SunShadows::partitions.faces: four slices leave no map for the near face: it gets none")]
+    NearMap,
+    /// `partitions.faces`, `partitions.resolution` or `seams` on the drop-in path.
+    #[error(
+        "SunShadows::partitions must have no faces and equal maps, and SunShadows::seams be empty, on the drop-in path, because Bevy looks shadows up by depth in equal maps: the defaults are used"
+    )]
+    DropInPartitions,
     /// `map_size`.
     #[error("SunShadows::map_size must be 16 to 8192: the nearest is used")]
     MapSize,
@@ -31,9 +44,19 @@ pub enum Correction {
     /// `partitions.scheme`.
     #[error("SunShadows::partitions.scheme: lambda must be 0 to 1: the nearest is used, 0.5 for NaN")]
     Lambda,
-    /// `warp`.
-    #[error("SunShadows::warp: eta must be -1 to 1: the nearest is used, -1 for NaN")]
+    /// `warp` or `partitions.etas`.
+    #[error("SunShadows::warp and partitions.etas: eta must be -1 to 1: the nearest is used, -1 for NaN")]
     Eta,
+    /// `fit`.
+    #[error(
+        "SunShadows::fit: pseudo_near and pseudo_far must be finite numbers above 0: the planes of the view are used"
+    )]
+    PseudoPlanes,
+    /// `seams`.
+    #[error(
+        "SunShadows::seams: shares must be 0 to 0.5, fade 0 to 1 and metres finite: the nearest are used, 0 for NaN"
+    )]
+    Seams,
     /// `warp`.
     #[error("SunShadows::warp: focus must be 0 to 1: the nearest is used, the default for NaN")]
     Focus,
@@ -71,6 +94,13 @@ pub const TAPS: RangeInclusive<u32> = 8..=64;
 pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
     let mut settings = settings.clone();
     let mut corrections = Vec::new();
+    let is_drop_in = settings.path == ShadowPath::DropIn;
+    if is_drop_in && !is_for_drop_in(&settings) {
+        settings.partitions.faces = Faces::Together;
+        settings.partitions.resolution = MapResolution::Equal;
+        settings.seams = Seams::NONE;
+        corrections.push(Correction::DropInPartitions);
+    }
     let mut clamp = |value: &mut u32, range: RangeInclusive<u32>, correction| {
         if !range.contains(value) {
             *value = (*value).clamp(*range.start(), *range.end());
@@ -78,19 +108,28 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         }
     };
     clamp(&mut settings.map_size, MAP_SIZES, Correction::MapSize);
-    match settings.path {
-        ShadowPath::Full => clamp(
+    match (settings.path, settings.partitions.faces) {
+        (ShadowPath::Full, Faces::Together) => clamp(
             &mut settings.partitions.count,
             1..=SunShadows::MAX_PARTITIONS,
             Correction::Count,
         ),
-        ShadowPath::DropIn => clamp(
+        (ShadowPath::Full, Faces::Apart { .. }) => clamp(
+            &mut settings.partitions.count,
+            1..=SunShadows::MAX_FACE_SLICES,
+            Correction::FaceCount,
+        ),
+        (ShadowPath::DropIn, _) => clamp(
             &mut settings.partitions.count,
             1..=SunShadows::MAX_DROP_IN_PARTITIONS,
             Correction::DropInCount,
         ),
     }
-    if settings.path == ShadowPath::DropIn && !settings.map_size.is_power_of_two() {
+    if settings.partitions.maps() > SunShadows::MAX_PARTITIONS {
+        settings.partitions.faces = Faces::Apart { near_map: false };
+        corrections.push(Correction::NearMap);
+    }
+    if is_drop_in && !settings.map_size.is_power_of_two() {
         settings.map_size = settings.map_size.next_power_of_two();
         corrections.push(Correction::DropInMapSize);
     }
@@ -100,10 +139,18 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         *lambda = if lambda.is_nan() { 0.5 } else { lambda.clamp(0.0, 1.0) };
         corrections.push(Correction::Lambda);
     }
-    if let Warp::Free { eta } = &mut settings.warp
-        && !(-1.0..=1.0).contains(eta)
-    {
-        *eta = if eta.is_nan() { -1.0 } else { eta.clamp(-1.0, 1.0) };
+    let free = match &mut settings.warp {
+        Warp::Free { eta } => Some(eta),
+        _ => None,
+    };
+    let mut is_eta_wrong = false;
+    for eta in free.into_iter().chain(&mut settings.partitions.etas) {
+        if !(-1.0..=1.0).contains(eta) {
+            *eta = if eta.is_nan() { -1.0 } else { eta.clamp(-1.0, 1.0) };
+            is_eta_wrong = true;
+        }
+    }
+    if is_eta_wrong {
         corrections.push(Correction::Eta);
     }
     if let Warp::Tsm { focus } = &mut settings.warp
@@ -116,11 +163,12 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         };
         corrections.push(Correction::Focus);
     }
-    if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
+    if is_drop_in && settings.largest_eta() > Warp::Lispsm.eta() {
         settings.warp = Warp::Lispsm;
+        settings.partitions.etas.clear();
         corrections.push(Correction::DropInWarp);
     }
-    if settings.path == ShadowPath::DropIn && !settings.bias.is_for_drop_in() {
+    if is_drop_in && !settings.bias.is_for_drop_in() {
         settings.bias = ShadowBias::default();
         corrections.push(Correction::DropInBias);
     }
@@ -152,6 +200,17 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         settings.blur = blur;
         corrections.push(Correction::Blur);
     }
+    let is_depth = |depth: Option<f32>| depth.is_none_or(|depth| depth.is_finite() && depth > 0.0);
+    if !is_depth(settings.fit.pseudo_near) || !is_depth(settings.fit.pseudo_far) {
+        settings.fit.pseudo_near = settings.fit.pseudo_near.filter(|depth| is_depth(Some(*depth)));
+        settings.fit.pseudo_far = settings.fit.pseudo_far.filter(|depth| is_depth(Some(*depth)));
+        corrections.push(Correction::PseudoPlanes);
+    }
+    let seams = checked_seams(settings.seams);
+    if seams != settings.seams {
+        settings.seams = seams;
+        corrections.push(Correction::Seams);
+    }
     if settings.distance.is_some_and(|distance| !(distance > 0.0)) {
         settings.distance = None;
         corrections.push(Correction::Distance);
@@ -161,6 +220,26 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         corrections.push(Correction::Near);
     }
     (settings, corrections)
+}
+
+/// Whether the drop-in path can draw what the view is cut into.
+fn is_for_drop_in(settings: &SunShadows) -> bool {
+    let partitions = &settings.partitions;
+    (partitions.faces, partitions.resolution) == (Faces::Together, MapResolution::Equal)
+        && settings.seams == Seams::NONE
+}
+
+/// NaN becomes 0.
+fn checked_seams(seams: Seams) -> Seams {
+    let within = |value: f32, largest: f32| if value > 0.0 { value.min(largest) } else { 0.0 };
+    Seams {
+        width: match seams.width {
+            SeamWidth::None => SeamWidth::None,
+            SeamWidth::Share(share) => SeamWidth::Share(within(share, SeamWidth::LARGEST_SHARE)),
+            SeamWidth::Metres(metres) => SeamWidth::Metres(within(metres, f32::MAX)),
+        },
+        fade: within(seams.fade, 1.0),
+    }
 }
 
 /// The lengths and factors of a bias.
@@ -216,7 +295,7 @@ pub(super) fn warn_of(corrections: Vec<Correction>, known: &mut Vec<Correction>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow::settings::Partitions;
+    use crate::shadow::settings::{FitSettings, Partitions};
 
     #[test]
     fn presets_need_no_correction() {
@@ -247,6 +326,14 @@ mod tests {
             partitions: Partitions {
                 count: 9,
                 scheme: SplitScheme::Practical { lambda: f32::NAN },
+                faces: Faces::Apart { near_map: true },
+                etas: vec![f32::NAN],
+                ..Partitions::default()
+            },
+            fit: FitSettings {
+                pseudo_near: Some(-1.0),
+                pseudo_far: Some(80.0),
+                ..FitSettings::BEST
             },
             warp: Warp::Free { eta: 2.0 },
             map_size: 1000,
@@ -262,7 +349,9 @@ mod tests {
         assert_eq!(right.map_size, 1024);
         assert_eq!(right.bias, ShadowBias::Footprint { scale: 0.0 });
         assert_eq!((right.distance, right.near), (None, None));
-        assert_eq!(corrections.len(), 8, "{corrections:?}");
+        assert_eq!(right.partitions.faces, Faces::Together);
+        assert_eq!((right.fit.pseudo_near, right.fit.pseudo_far), (None, Some(80.0)));
+        assert_eq!(corrections.len(), 10, "{corrections:?}");
         assert_eq!(checked(&right).1, Vec::new(), "corrected settings are right");
     }
 
@@ -328,5 +417,32 @@ mod tests {
             ..SunShadows::HIGH
         };
         assert_eq!(checked(&odd).1, Vec::new(), "the atlas takes any size");
+    }
+
+    #[test]
+    fn faces_and_seams_are_limited() {
+        let apart = Partitions {
+            faces: Faces::Apart { near_map: true },
+            ..Partitions::slices(9)
+        };
+        let (right, corrections) = checked(&SunShadows {
+            partitions: apart,
+            seams: Seams {
+                width: SeamWidth::Share(0.9),
+                fade: f32::NAN,
+            },
+            ..SunShadows::HIGH
+        });
+        assert_eq!(right.partitions.count, 4);
+        assert_eq!(
+            right.partitions.faces,
+            Faces::Apart { near_map: false },
+            "16 maps are the most"
+        );
+        assert_eq!((right.seams.width, right.seams.fade), (SeamWidth::Share(0.5), 0.0));
+        assert_eq!(
+            corrections,
+            [Correction::FaceCount, Correction::NearMap, Correction::Seams]
+        );
     }
 }

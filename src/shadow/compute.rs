@@ -1,21 +1,21 @@
 //! One camera, one sun, one scene → light views: [`compute_camera_views`], the pure heart of the room.
 
-use bevy::math::{DVec3, Mat4, Vec3};
+use bevy::math::{DVec3, Mat4, UVec2, UVec4, Vec3, Vec4Swizzles};
 
 use super::{
     drop_in, full,
+    layout::{AtlasLayout, cells_per_side},
+    parts::{Cutter, Part},
     scene_bounds::SceneBounds,
-    settings::{ShadowPath, SunShadows},
+    settings::{MapResolution, ShadowPath, SunShadows},
     views::{CameraSunViews, LightView, PartitionView},
 };
 use crate::maths::{
-    body::{adjusted_depths, intersection_body, light_visible},
-    bounds::Bounds,
-    fit::{FitInput, FitOptions, LightFit, fit_light_view},
-    polytope::Polytope,
-    split::{SplitScheme, split_depths},
+    body::{adjusted_depths, light_visible},
+    error::{LargestErrors, LightSample, largest_errors},
+    fit::{FitInput, LightFit, fit_light_view},
+    split::{SplitScheme, pseudo_split_depths},
     view::ViewVolume,
-    warp::Warp,
 };
 
 /// Texels that the full path leaves free at the border of a map: filters read one texel beyond a point or a tap. Filters
@@ -37,61 +37,72 @@ pub fn partition_depths(settings: &SunShadows, orthographic: bool, (near, far): 
         _ if orthographic => &SplitScheme::Uniform,
         scheme => scheme,
     };
-    split_depths(scheme, near, far, settings.partitions.count as usize)
+    let planes = settings.fit.pseudo_planes();
+    pseudo_split_depths(scheme, near, far, planes, settings.partitions.count as usize)
 }
 
-/// The light views of one camera: H and adjusted depths of the whole view, then per slice H, B, warp and focus.
+/// The light views of one camera: H and adjusted depths of the whole view, then per part H, B, warp and focus.
 ///
 /// `view` is the part of the view volume that gets shadows, `light_travel` the direction in which light travels,
 /// `settings` must be in range (see [`checked`](super::checked::checked)), and `depths` are the split distances, usually
-/// from [`partition_depths`]. `None` when there is nothing to shadow: everything is lit.
+/// from [`partition_depths`]. `previous` are the camera's light views of the frame before: some choices keep to them so that
+/// nothing flickers. `None` when there is nothing to shadow: everything is lit.
 pub fn compute_camera_views(
     view: &ViewVolume,
     scene: &SceneBounds,
     light_travel: DVec3,
     settings: &SunShadows,
     depths: &[f64],
+    previous: Option<&CameraSunViews>,
 ) -> Option<CameraSunViews> {
     let (near, far) = visible_depths(view, scene)?;
-    let fitter = Fitter {
+    let cutter = Cutter {
+        view,
         receivers: scene.receivers?,
         scene: scene.scene?,
         light_travel,
         settings,
+        depths,
     };
-    let whole = view.split(near, far);
-    let (_, master) = fitter.fit(&whole, Warp::Uniform);
+    let fitter = Fitter { light_travel, settings };
+    let whole = cutter.whole(near, far);
+    let square = UVec2::splat(settings.map_size);
+    let master = fitter.fit(&whole, square)?;
+    let (parts, face_set) = cutter.parts(previous.and_then(|previous| previous.face_set));
+    let layout = fitter.layout(&parts, previous.map(|previous| &previous.layout));
+    let partitions = (parts.into_iter().zip(&layout.rects))
+        .map(|(part, rect)| fitter.partition(part, *rect))
+        .collect();
     Some(CameraSunViews {
         near_depth: near as f32,
         far_depth: far as f32,
-        partitions: depths
-            .windows(2)
-            .map(|range| fitter.partition(&view.split(range[0], range[1])))
-            .collect(),
-        master: light_view(&master?, &whole),
+        end_depth: view.far() as f32,
+        partitions,
+        master: light_view(&master, &whole, UVec4::new(0, 0, square.x, square.y)),
+        layout,
+        face_set,
     })
 }
 
 struct Fitter<'a> {
-    receivers: Bounds,
-    scene: Bounds,
     light_travel: DVec3,
     settings: &'a SunShadows,
 }
 
 impl Fitter<'_> {
-    fn partition(&self, slice: &ViewVolume) -> PartitionView {
-        let (body, fit) = self.fit(slice, self.settings.warp);
+    fn partition(&self, part: Part, rect: UVec4) -> PartitionView {
+        let slice = &part.slice;
+        let light_view = match self.fit(&part, rect.zw()) {
+            Some(fit) => LightView {
+                caster_depth_bias: self.caster_depth_bias(&fit),
+                ..light_view(&fit, &part, rect)
+            },
+            None => empty_light_view(&part, rect),
+        };
         PartitionView {
             split_frustum: slice.corners(slice.near(), slice.far()).map(|corner| corner.as_vec3()),
-            body,
-            light_view: match fit {
-                Some(fit) => LightView {
-                    caster_depth_bias: self.caster_depth_bias(&fit),
-                    ..light_view(&fit, slice)
-                },
-                None => empty_light_view(slice),
-            },
+            body: part.body,
+            light_view,
         }
     }
 
@@ -102,30 +113,70 @@ impl Fitter<'_> {
         }
     }
 
-    /// B of a slice and its light view, which is missing when the slice sees nothing.
-    fn fit(&self, slice: &ViewVolume, warp: Warp) -> (Polytope, Option<LightFit>) {
-        let visible = light_visible(slice, &self.receivers);
-        let body = intersection_body(&visible, &self.scene, self.light_travel);
+    /// The fit of a part, which is missing when the part sees nothing.
+    fn fit(&self, part: &Part, map_size: UVec2) -> Option<LightFit> {
         let input = FitInput {
-            view: slice,
-            visible: &visible,
-            body: &body,
+            view: &part.slice,
+            visible: &part.visible,
+            body: &part.body,
             light_travel: self.light_travel,
-            warp,
-            map_size: self.settings.map_size,
+            warp: part.warp,
+            map_size,
             guard_texels: GUARD_TEXELS,
             guard_metres: f64::from(self.settings.filter.world_radius()),
-            options: FitOptions::default(),
+            options: part.options,
         };
-        let fit = match self.settings.path {
+        match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),
             ShadowPath::DropIn => drop_in::fit(input, self.settings.bias),
+        }
+    }
+
+    /// Where the maps lie. Those of the drop-in path are layers of Bevy's own texture: each is alone.
+    fn layout(&self, parts: &[Part], previous: Option<&AtlasLayout>) -> AtlasLayout {
+        let size = self.settings.map_size;
+        let most = self.settings.partitions.maps();
+        let slots = parts.iter().map(|part| part.slot);
+        match (self.settings.path, self.settings.partitions.resolution) {
+            (ShadowPath::DropIn, _) => AtlasLayout::equal(size, 1, slots.map(|_| 0)),
+            (ShadowPath::Full, MapResolution::Equal) => AtlasLayout::equal(size, most, slots),
+            (ShadowPath::Full, MapResolution::Balanced) => {
+                let square = UVec2::splat(size);
+                let needs = parts.iter().map(|part| self.needs(part, square)).collect();
+                AtlasLayout::balanced(needs, size * cells_per_side(most), previous)
+                    .unwrap_or_else(|| AtlasLayout::equal(size, most, slots))
+            }
+        }
+    }
+
+    /// The largest errors of a part's map (Lloyd, section 4.4): relative to pixels of one camera, whose opening is left out.
+    /// Zero where there is nothing to see.
+    fn needs(&self, part: &Part, map_size: UVec2) -> LargestErrors {
+        let Some(fit) = self.fit(part, map_size) else {
+            return LargestErrors {
+                across: 0.0,
+                along: 0.0,
+            };
         };
-        (body, fit)
+        let light_from_world = fit.world_from_light.inverse();
+        let sample = |vertex: &DVec3| {
+            let point = light_from_world.transform_point3(*vertex);
+            LightSample {
+                across: point.x,
+                along: point.y,
+                depth: if part.slice.is_orthographic() {
+                    1.0
+                } else {
+                    part.slice.depth(*vertex).max(part.depths[0])
+                },
+            }
+        };
+        let samples: Vec<LightSample> = part.visible.vertices().iter().map(sample).collect();
+        largest_errors(&samples, fit.warp_near, 1.0)
     }
 }
 
-fn light_view(fit: &LightFit, slice: &ViewVolume) -> LightView {
+fn light_view(fit: &LightFit, part: &Part, atlas_rect: UVec4) -> LightView {
     LightView {
         clip_from_world: fit.clip_from_world_f32(),
         world_from_light: fit.world_from_light_f32(),
@@ -133,13 +184,15 @@ fn light_view(fit: &LightFit, slice: &ViewVolume) -> LightView {
         texel_size: fit.texel_size as f32,
         near_texel_size: fit.near_texel_size as f32,
         caster_depth_bias: 0.0,
-        near_depth: slice.near() as f32,
-        far_depth: slice.far() as f32,
+        near_depth: part.depths[0] as f32,
+        far_depth: part.depths[1] as f32,
+        seam_depth: part.seam as f32,
+        atlas_rect,
     }
 }
 
 /// A light view that contains nothing of the world, so that everything that would read it is lit.
-fn empty_light_view(slice: &ViewVolume) -> LightView {
+fn empty_light_view(part: &Part, atlas_rect: UVec4) -> LightView {
     let nowhere = full::mask_cascade();
     LightView {
         clip_from_world: nowhere.clip_from_world,
@@ -148,8 +201,10 @@ fn empty_light_view(slice: &ViewVolume) -> LightView {
         texel_size: nowhere.texel_size,
         near_texel_size: nowhere.texel_size,
         caster_depth_bias: 0.0,
-        near_depth: slice.near() as f32,
-        far_depth: slice.far() as f32,
+        near_depth: part.depths[0] as f32,
+        far_depth: part.depths[1] as f32,
+        seam_depth: 0.0,
+        atlas_rect,
     }
 }
 

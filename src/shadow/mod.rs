@@ -17,6 +17,8 @@ pub mod compute;
 pub mod drop_in;
 pub mod full;
 pub mod gizmos;
+pub mod layout;
+mod parts;
 pub mod scene_bounds;
 pub mod settings;
 mod stock;

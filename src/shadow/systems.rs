@@ -41,7 +41,7 @@ pub(super) fn update_sun_views(
         )
         .collect();
     for (light, transform, settings, mut views) in &mut lights {
-        views.cameras.clear();
+        let before = std::mem::take(&mut views.cameras);
         if !light.shadow_maps_enabled {
             continue;
         }
@@ -66,7 +66,8 @@ pub(super) fn update_sun_views(
                 _ => partition_depths(&settings, view.is_orthographic(), *range),
             };
             let light_travel = wide(transform.forward());
-            if let Some(camera_views) = compute_camera_views(view, &scene, light_travel, &settings, &depths) {
+            let previous = before.get(entity);
+            if let Some(camera_views) = compute_camera_views(view, &scene, light_travel, &settings, &depths, previous) {
                 views.cameras.insert(*entity, camera_views);
             }
         }

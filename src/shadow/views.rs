@@ -2,6 +2,9 @@
 
 use bevy::{ecs::entity::EntityHashMap, prelude::*};
 
+use super::layout::AtlasLayout;
+use crate::maths::{face::FaceSet, polytope::Polytope};
+
 /// One map: the light view that draws it and reads it.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 pub struct LightView {
@@ -23,15 +26,19 @@ pub struct LightView {
     pub near_depth: f32,
     /// End of the interval.
     pub far_depth: f32,
+    /// Length of view depth before the end of the interval over which the next map takes over, in metres; 0: none.
+    pub seam_depth: f32,
+    /// The map in the atlas, in texels: x, y, width, height. On the drop-in path it is alone.
+    pub atlas_rect: UVec4,
 }
 
-/// One z-partition of one camera.
+/// One partition of one camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartitionView {
-    /// Corners of the slice of the view frustum in world space: near bottom left, bottom right, top right, top left, then far.
+    /// Corners of the slice of the view frustum that it lies in, in world space: near bottom left, bottom right, top right, top left, then far.
     pub split_frustum: [Vec3; 8],
     /// The intersection body B in world space.
-    pub body: crate::maths::polytope::Polytope,
+    pub body: Polytope,
     /// Its light view.
     pub light_view: LightView,
 }
@@ -43,10 +50,16 @@ pub struct CameraSunViews {
     pub near_depth: f32,
     /// View depth of the farthest.
     pub far_depth: f32,
-    /// One per partition, near to far. A camera that sees nothing of the scene has no entry in [`SunViews`].
+    /// View depth at which shadows end whatever is seen: that of the settings, or the camera's far plane; may be infinite.
+    pub end_depth: f32,
+    /// One per partition: z-partitions near to far, face partitions side by side. A camera that sees nothing of the scene has no entry in [`SunViews`].
     pub partitions: Vec<PartitionView>,
     /// One map over the whole range: the fallback for transparent surfaces and the source of the caster set.
     pub master: LightView,
+    /// Where the maps lie in the atlas.
+    pub layout: AtlasLayout,
+    /// The faces that face partitions were chosen from.
+    pub face_set: Option<FaceSet>,
 }
 
 /// On the entity of a light with [`SunShadows`](super::settings::SunShadows): this frame's light views of every

@@ -2,5 +2,6 @@
 
 mod bounds;
 mod cascades;
+mod partitions;
 mod support;
 mod views;

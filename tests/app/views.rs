@@ -283,6 +283,7 @@ fn settings_out_of_range_are_clamped() {
         partitions: Partitions {
             count: 99,
             scheme: SplitScheme::Practical { lambda: 7.0 },
+            ..Partitions::default()
         },
         warp: Warp::Free { eta: f32::NAN },
         distance: Some(-4.0),

@@ -1,6 +1,6 @@
 //! Warp axes: along the view, towards the middle of the body, given.
 
-use bevy_math::{DVec2, DVec3};
+use bevy_math::{DVec2, DVec3, UVec2};
 use umbrage::maths::{
     body::{intersection_body, light_visible},
     bounds::Bounds,
@@ -55,7 +55,7 @@ fn the_middle_of_the_body() {
             body,
             light_travel,
             warp: Warp::Lispsm,
-            map_size: 1024,
+            map_size: UVec2::splat(1024),
             guard_texels: 0.0,
             guard_metres: 0.0,
             options,
@@ -156,7 +156,7 @@ fn a_side_face() {
             body: &body,
             light_travel: light,
             warp,
-            map_size: 1024,
+            map_size: UVec2::splat(1024),
             guard_texels: 0.0,
             guard_metres: 0.0,
             options,

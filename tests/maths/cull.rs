@@ -1,6 +1,6 @@
 //! Casters per partition: none is missing, and none too many.
 
-use bevy_math::{DVec2, DVec3};
+use bevy_math::{DVec2, DVec3, UVec2};
 use proptest::prelude::*;
 use umbrage::maths::{
     bounds::Bounds,
@@ -162,14 +162,14 @@ proptest! {
         let slice = view.split(depths[1], depths[2]);
         let (of_slice, body) = bodies(&slice, &scene, light_travel);
         let warp = if warped { Warp::Lispsm } else { Warp::Uniform };
-        let fit = fit_light_view(&FitInput { view: &slice, visible: &of_slice, body: &body, light_travel, warp, map_size: 512, guard_texels: 2.0, guard_metres: 0.0, options: FitOptions::default() }).fitted();
+        let fit = fit_light_view(&FitInput { view: &slice, visible: &of_slice, body: &body, light_travel, warp, map_size: UVec2::splat(512), guard_texels: 2.0, guard_metres: 0.0, options: FitOptions::default() }).fitted();
         let Some(fit) = fit else { return Ok(()) };
         let in_map = receivers_in_map(&visible, &fit.clip_from_world);
         let tolerance = 1.0e-5;
         for vertex in of_slice.vertices() {
             prop_assert!(in_map.contains(*vertex, tolerance), "{vertex} of the slice is not in the map");
         }
-        let map = SelectableView { clip_from_world: fit.clip_from_world, end_depth: depths[2], margin: DVec2::ZERO };
+        let map = SelectableView { clip_from_world: fit.clip_from_world, end_depth: depths[2], margin: DVec2::ZERO, size: UVec2::splat(512), seam_depth: 0.0 };
         let point = inside(&visible, &shares);
         if map.contains(point) {
             prop_assert!(in_map.contains(point, tolerance), "{point}");

@@ -1,17 +1,19 @@
 //! Face partitions against Lloyd's oracles; what holds for random cameras is in `partition_properties`.
 
-use bevy_math::{DVec2, DVec3};
+use bevy_math::{DVec2, DVec3, UVec2};
 use umbrage::maths::{
-    body::light_visible,
+    body::{intersection_body, light_visible},
     bounds::Bounds,
     error::LargestErrors,
     face::{FaceOptions, FacePartition, FaceSet, FrustumFace, face_partitions, partition_of_point},
+    fit::{FitInput, FitOptions, WarpAxis, fit_light_view},
     polytope::Polytope,
     split::SplitScheme,
     view::ViewVolume,
+    warp::Warp,
 };
 
-use crate::support::{OPENING, close, huge_scene, light_at, papers_camera};
+use crate::support::{OPENING, close, huge_scene, light_at, papers_camera, roomy_scene};
 
 /// The partitions of the papers' camera, which sees nothing but the scene.
 fn partitions(ratio: f64, light_travel: DVec3, options: &FaceOptions) -> (ViewVolume, Vec<FacePartition>) {
@@ -246,6 +248,52 @@ fn the_warp_of_a_face() {
 }
 
 /// Over a whole frustum the guard changes next to nothing, wherever the light is.
+/// What is drawn is what is computed: the fit of a partition has its n', also where a side is stretched over the near face.
+#[test]
+fn fits_have_the_warp_of_their_face() {
+    let view = papers_camera(1.0, 100.0);
+    let scene = roomy_scene();
+    for near_partition in [true, false] {
+        for degrees in [0.0, 20.0, 60.0, 90.0, 140.0] {
+            let light_travel = light_at(degrees);
+            let visible = light_visible(&view, &scene);
+            let options = FaceOptions {
+                slices: 2,
+                near_partition,
+                ..FaceOptions::default()
+            };
+            let mut warped = 0;
+            for partition in face_partitions(&view, &visible, light_travel, &options) {
+                let fit = fit_light_view(&FitInput {
+                    view: &view,
+                    visible: &partition.receivers,
+                    body: &intersection_body(&partition.receivers, &scene, light_travel),
+                    light_travel,
+                    warp: if partition.warped { Warp::Lispsm } else { Warp::Uniform },
+                    map_size: UVec2::new(512, 256),
+                    guard_texels: 0.0,
+                    guard_metres: 0.0,
+                    options: FitOptions {
+                        axis: WarpAxis::Direction(partition.axes.y),
+                        face_start: Some(partition.near_along),
+                        guard: false,
+                        ..FitOptions::default()
+                    },
+                });
+                let near = fit.fitted().expect("a light view").warp_near;
+                let expected = partition.warp_near(0.0);
+                warped += u32::from(expected.is_finite());
+                if expected.is_finite() {
+                    close(near, expected, 1.0e-6);
+                } else {
+                    assert!(near.is_infinite(), "{near} of a face without a warp");
+                }
+            }
+            assert!(warped > 0, "{degrees}: no face is warped");
+        }
+    }
+}
+
 #[test]
 fn the_guard_leaves_whole_faces_alone() {
     for degrees in (0..=180).step_by(5).map(f64::from) {

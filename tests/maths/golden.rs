@@ -1,6 +1,6 @@
 //! Defaults of options change nothing: light views to the last bit.
 
-use bevy_math::{DVec2, DVec3};
+use bevy_math::{DVec2, DVec3, UVec2};
 use umbrage::maths::{
     bounds::Bounds,
     fit::{FitInput, FitOptions, LightFit, fit_light_view},
@@ -119,7 +119,7 @@ fn options_change_nothing_unless_asked() {
                 body: &body,
                 light_travel,
                 warp,
-                map_size: 1024,
+                map_size: UVec2::splat(1024),
                 guard_texels: 2.0,
                 guard_metres: 0.1,
                 options: FitOptions::default(),

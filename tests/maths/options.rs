@@ -1,6 +1,6 @@
 //! Options of the fit: projection centres, pseudo planes, visible depths, warp axes.
 
-use bevy_math::DVec3;
+use bevy_math::{DVec3, UVec2};
 use umbrage::maths::{
     bounds::Bounds,
     fit::{Fit, FitInput, FitOptions, LightFit, ProjectionCenter, Unfit, WarpAxis, fit_light_view},
@@ -17,6 +17,7 @@ const UNGUARDED: FitOptions = FitOptions {
     pseudo_far: None,
     visible_far: None,
     axis: WarpAxis::View,
+    face_start: None,
     guard: false,
 };
 
@@ -273,7 +274,7 @@ fn options_without_an_answer_are_named() {
             body: &body,
             light_travel,
             warp: Warp::Lispsm,
-            map_size: 512,
+            map_size: UVec2::splat(512),
             guard_texels: 0.0,
             guard_metres: 0.0,
             options,

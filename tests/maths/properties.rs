@@ -89,6 +89,7 @@ fn options() -> impl Strategy<Value = FitOptions> {
                 visible_far,
                 axis,
                 guard,
+                ..FitOptions::default()
             },
         )
 }
@@ -190,7 +191,7 @@ proptest! {
         let (visible, body) = bodies(&view, &scene, light_travel);
         prop_assume!(!visible.is_empty());
         let guard_texels = 2.0;
-        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels, guard_metres: 0.0, options }).fitted();
+        let fit = fit_light_view(&FitInput { view: &view, visible: &visible, body: &body, light_travel, warp, map_size: UVec2::splat(512), guard_texels, guard_metres: 0.0, options }).fitted();
         prop_assert!(fit.is_some());
         let fit = fit.unwrap();
         prop_assert!(fit.clip_from_light.determinant() > 0.0, "mirrored");

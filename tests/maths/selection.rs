@@ -1,12 +1,12 @@
 //! Selection of light views against the oracles of Lloyd and Stingl, and the seams between them.
 
-use bevy_math::{DMat4, DVec2, DVec3};
+use bevy_math::{DMat4, DVec2, DVec3, UVec2};
 use proptest::prelude::*;
 use umbrage::maths::{
     fit::{FitInput, FitOptions, fit_light_view},
     selection::{
-        SelectableView, Selected, Selection, border_weights, depth_seam, partition_of_depth, range_fade, select_view,
-        selection_mask,
+        BorderBand, SelectableView, Selected, Selection, border_weights, depth_seam, partition_of_depth, range_fade,
+        select_view, selection_mask, view_weights,
     },
     split::{SplitScheme, split_depths},
     warp::Warp,
@@ -26,6 +26,8 @@ fn cube(half_side: f64, end_depth: f64, margin: f64) -> SelectableView {
             * DMat4::from_scale(DVec3::new(1.0, 1.0, 0.5) / half_side),
         end_depth,
         margin: DVec2::splat(margin),
+        size: UVec2::splat(64),
+        seam_depth: 0.0,
     }
 }
 
@@ -181,6 +183,77 @@ fn border_weights_sum_to_one_and_are_continuous() {
     assert_eq!(border_weights(&views, DVec3::X * 0.95, 0.0), [1.0, 0.0, 0.0]);
 }
 
+/// The finest map is that with the most texels per square metre, wherever it stands.
+#[test]
+fn the_finest_map_is_found_in_any_order() {
+    let mut views = [cube(4.0, 20.0, 0.0), cube(1.0, 5.0, 0.0), cube(2.0, 10.0, 0.0)];
+    let select = |views: &[SelectableView], x| select_view(views, Selection::Finest, DVec3::X * x, 12.0, 30.0);
+    for (x, index) in [(0.5, 1), (1.5, 2), (3.0, 0)] {
+        assert_eq!(select(&views, x), Selected { index, is_found: true }, "{x}");
+    }
+    assert!(!select(&views, 5.0).is_found);
+    // 64² texels on 2 m are 1024 per square metre; 8 m need more than 256² for as many.
+    views[0].size = UVec2::new(256, 255);
+    assert_eq!(select(&views, 0.5).index, 1);
+    views[0].size = UVec2::new(256, 257);
+    assert_eq!(select(&views, 0.5).index, 0);
+}
+
+/// The weights of the shader are those of the formulas for each rule.
+#[test]
+fn weights_of_views_follow_the_formulas() {
+    let share = 0.25;
+    let mut by_depth = [5.0, 20.0, 60.0, 100.0].map(|end| cube(1.0e3, end, 0.0));
+    for (view, range) in by_depth.iter_mut().zip(DEPTHS.windows(2)) {
+        view.seam_depth = (range[1] - range[0]) * share;
+    }
+    for step in 0..990 {
+        let depth = 1.0 + 0.1 * f64::from(step);
+        let weights = view_weights(&by_depth, Selection::Depth, BorderBand::None, DVec3::ZERO, depth, 200.0);
+        let seam = depth_seam(&DEPTHS, depth, share).unwrap();
+        let mut expected = [0.0; 4];
+        expected[seam.second] += seam.weight;
+        expected[seam.first] += 1.0 - seam.weight;
+        for (weight, expected) in weights.iter().zip(expected) {
+            assert!(
+                (weight - expected).abs() < 1.0e-12,
+                "{depth}: {weights:?}, not {expected:?}"
+            );
+        }
+    }
+    let views = [cube(1.0, 5.0, 0.02), cube(2.0, 10.0, 0.02), cube(4.0, 20.0, 0.02)];
+    for step in 0..500 {
+        let point = DVec3::new(0.01 * f64::from(step), 0.003 * f64::from(step), 0.1);
+        for selection in [Selection::BestResolution, Selection::Finest] {
+            let weights = view_weights(&views, selection, BorderBand::Share(0.1), point, 1.0, 200.0);
+            let expected = border_weights(&views, point, 0.1);
+            for (weight, expected) in weights.iter().zip(&expected) {
+                assert!(
+                    (weight - expected).abs() < 1.0e-12,
+                    "{point}: {weights:?}, not {expected:?}"
+                );
+            }
+        }
+    }
+    // A band of half a metre is a quarter of the first map's texture coordinates on each side, an eighth of the next one's.
+    let metres = |x: f64| {
+        view_weights(
+            &views,
+            Selection::BestResolution,
+            BorderBand::Metres(0.5),
+            DVec3::X * x,
+            1.0,
+            9.0,
+        )
+    };
+    assert_eq!(metres(0.4)[0], 1.0);
+    assert!((metres(0.71)[0] - 0.5).abs() < 1.0e-9, "the middle of 0.96 and 0.46 m");
+    assert_eq!(
+        view_weights(&views, Selection::Depth, BorderBand::None, DVec3::ZERO, 9.0, 9.0),
+        [0.0; 3]
+    );
+}
+
 #[test]
 fn shadows_fade_at_the_end_of_their_range() {
     let fade = |depth| range_fade(depth, 100.0, 0.2);
@@ -218,11 +291,13 @@ proptest! {
             let slice = view.split(range[0], range[1]);
             let (visible, body) = bodies(&slice, &scene, light_travel);
             let warp = if warped { Warp::Lispsm } else { Warp::Uniform };
-            let fit = fit_light_view(&FitInput { view: &slice, visible: &visible, body: &body, light_travel, warp, map_size: 512, guard_texels: 2.0, guard_metres: 0.0, options: FitOptions::default() }).fitted();
+            let fit = fit_light_view(&FitInput { view: &slice, visible: &visible, body: &body, light_travel, warp, map_size: UVec2::splat(512), guard_texels: 2.0, guard_metres: 0.0, options: FitOptions::default() }).fitted();
             views.push(SelectableView {
                 clip_from_world: fit.map_or(DMat4::ZERO, |fit| fit.clip_from_world),
                 end_depth: range[1],
                 margin: DVec2::splat(1.0 / 512.0),
+                size: UVec2::splat(512),
+                seam_depth: 0.0,
             });
         }
         let vertices = visible.vertices();

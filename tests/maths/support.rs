@@ -90,7 +90,7 @@ pub(crate) fn fit_with(
         body: &body,
         light_travel,
         warp,
-        map_size: 1024,
+        map_size: UVec2::splat(1024),
         guard_texels: 0.0,
         guard_metres: 0.0,
         options,

@@ -52,7 +52,7 @@ fn draw_reference(
         return;
     };
     let mut texture = reference.0.lock().expect("one thread");
-    let side = atlas.grid * atlas.cell;
+    let side = atlas.layout.side;
     let texture = texture.get_or_insert_with(|| {
         device.create_texture(&TextureDescriptor {
             label: Some("reference"),
@@ -86,7 +86,7 @@ fn draw_reference(
         multiview_mask: None,
     });
     for (index, light_view) in views.light_views.iter().enumerate() {
-        let rect = atlas.rect(index as u32);
+        let rect = atlas.rect(index);
         pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
         pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
         phase.render(&mut pass, world, *light_view).expect("Bevy's phase draws");
@@ -276,6 +276,7 @@ fn culling_changes_no_texel() {
         "zp4:size=256",
         "lispsm:size=512",
         "zp16:size=128,split=uniform",
+        "fp2+lispsm:size=128",
     ] {
         let mut harness = started(technique, 200);
         let culled = harness.atlas();

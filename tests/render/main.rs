@@ -8,6 +8,7 @@ mod identity;
 mod layers;
 mod lighting;
 mod lookup;
+mod partitions;
 mod reference;
 mod softness;
 mod stability;

@@ -16,7 +16,13 @@ use wgpu::DeviceType;
 use crate::{
     level::shot::Shot,
     render::caster::drawn,
-    shadow::{checked::checked, settings::ShadowPath, technique::Technique, views::SunViews},
+    shadow::{
+        checked::checked,
+        layout::cells_per_side,
+        settings::{MapResolution, ShadowPath},
+        technique::Technique,
+        views::SunViews,
+    },
 };
 
 /// The file.
@@ -173,9 +179,9 @@ pub(in crate::cli) fn pass_samples(app: &App) -> Vec<(String, Processor, Vec<f64
 /// Memory of shadow maps: 32-bit depth.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub(in crate::cli) struct Maps {
-    /// Maps of the technique.
+    /// Maps of the technique; of face partitions as many as the light may need.
     count: u32,
-    /// Texels per side of each.
+    /// Texels per side of each; on average, where they are balanced.
     size: u32,
     /// Texels per side of the fallback map; 0: none.
     fallback_size: u32,
@@ -216,6 +222,8 @@ pub(in crate::cli) struct View {
     caster_depth_bias: f32,
     /// Casters that were drawn into it.
     pub(in crate::cli) casters_drawn: usize,
+    /// Texels across and along the map's axes.
+    map_size: [u32; 2],
     /// Column by column.
     clip_from_world: [f32; 16],
 }
@@ -249,12 +257,15 @@ pub(in crate::cli) fn count_casters(app: &mut App) -> usize {
         .count()
 }
 
+/// Texels per side of Bevy's own maps.
+fn bevy_map_size(world: &World) -> u32 {
+    let map = world.get_resource::<DirectionalLightShadowMap>();
+    map.map_or(0, |map| u32::try_from(map.size).unwrap_or(u32::MAX))
+}
+
 /// The maps of a technique.
 pub(in crate::cli) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
-    let bevy_size = app
-        .world()
-        .get_resource::<DirectionalLightShadowMap>()
-        .map_or(0, |map| u32::try_from(map.size).unwrap_or(u32::MAX));
+    let bevy_size = bevy_map_size(app.world());
     match technique {
         Technique::Bevy(_) => {
             let config = app.world().get::<CascadeShadowConfig>(sun);
@@ -264,11 +275,14 @@ pub(in crate::cli) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> 
         Technique::Umbrage(settings) => {
             let (settings, _) = checked(settings);
             let has_fallback = settings.path == ShadowPath::Full && settings.fallback_map;
-            Maps::new(
-                settings.partitions.count,
-                settings.map_size,
-                if has_fallback { bevy_size } else { 0 },
-            )
+            let fallback_size = if has_fallback { bevy_size } else { 0 };
+            let count = settings.partitions.maps();
+            let maps = match settings.partitions.resolution {
+                MapResolution::Equal => Maps::new(count, settings.map_size, fallback_size),
+                // All cells of the grid, whoever uses them.
+                MapResolution::Balanced => Maps::new(cells_per_side(count).pow(2), settings.map_size, fallback_size),
+            };
+            Maps { count, ..maps }
         }
     }
 }
@@ -339,6 +353,7 @@ fn matrices_of(world: &World, sun: Entity, camera: Entity, technique: &Technique
                     texel_size: cascade.texel_size,
                     caster_depth_bias: 0.0,
                     casters_drawn: 0,
+                    map_size: [bevy_map_size(world); 2],
                     clip_from_world: cascade.clip_from_world.to_cols_array(),
                 })
                 .collect()
@@ -354,6 +369,7 @@ fn matrices_of(world: &World, sun: Entity, camera: Entity, technique: &Technique
                     texel_size: partition.light_view.texel_size,
                     caster_depth_bias: partition.light_view.caster_depth_bias,
                     casters_drawn: 0,
+                    map_size: partition.light_view.atlas_rect.zw().to_array(),
                     clip_from_world: partition.light_view.clip_from_world.to_cols_array(),
                 })
                 .collect()

@@ -89,9 +89,19 @@ impl Bodies {
     }
 
     fn span(&self, input: &FitInput, axes: &LightAxes, near_depth: f64) -> WarpSpan {
-        let FitOptions { axis, optimum, .. } = input.options;
+        let FitOptions {
+            axis,
+            optimum,
+            face_start,
+            ..
+        } = input.options;
         let span = if let WarpAxis::Direction(_) = axis {
-            WarpSpan::directional(self.extent, self.start - axes.y.dot(input.view.eye()), 1.0)
+            let start = self.start - axes.y.dot(input.view.eye());
+            let lead = face_start.map_or(0.0, |face_start| face_start - start);
+            if lead > 0.0 && lead < self.extent {
+                return WarpSpan::directional(self.extent - lead, start + lead, 1.0).led_by(lead);
+            }
+            WarpSpan::directional(self.extent, start, 1.0)
         } else {
             let sine = input.view.forward().dot(axes.y);
             WarpSpan::directional_by(optimum, self.extent, near_depth, sine)

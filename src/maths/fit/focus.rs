@@ -1,6 +1,6 @@
 //! The focus matrix.
 
-use bevy_math::{DMat4, DVec2, DVec3, DVec4};
+use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2};
 
 use super::{
     FitInput,
@@ -19,8 +19,8 @@ pub(super) struct Focus {
 
 impl Focus {
     pub(super) fn new(input: &FitInput, bodies: &Bodies, warp: &ChosenWarp) -> Self {
-        let map_size = f64::from(input.map_size.max(1));
-        let inner = 1.0 - (2.0 * input.guard_texels.max(0.0) / map_size).min(0.5);
+        let map_size = input.map_size.max(UVec2::ONE).as_dvec2();
+        let inner = 1.0 - (2.0 * input.guard_texels.max(0.0) / map_size).min(DVec2::splat(0.5));
         let bend = 1.0 / warp.near;
 
         let projected = |point: &DVec3| point.x / warp.width(point.y);
@@ -28,16 +28,16 @@ impl Focus {
             bodies.visible.iter().chain(&bodies.body).map(projected),
             bodies.smallest,
         );
-        let scale_across = 2.0 * inner / (right - left);
-        let scale_along = inner * (2.0 / bodies.extent + bend);
+        let scale_across = 2.0 * inner.x / (right - left);
+        let scale_along = inner.y * (2.0 / bodies.extent + bend);
         let row_across =
             DVec4::new(scale_across, 0.0, 0.0, 0.0) - row_of_width(bend) * (scale_across * (left + right) * 0.5);
-        let row_along = DVec4::new(0.0, scale_along, 0.0, -inner);
+        let row_along = DVec4::new(0.0, scale_along, 0.0, -inner.y);
 
         let texel_sides = |width: f64| {
             DVec2::new(
-                2.0 * width / (scale_across * map_size),
-                width * width / (map_size * inner * (1.0 / bodies.extent + bend)),
+                2.0 * width / (scale_across * map_size.x),
+                width * width / (map_size.y * inner.y * (1.0 / bodies.extent + bend)),
             )
         };
         let near_sides = texel_sides(1.0);

@@ -10,7 +10,7 @@ mod bodies;
 mod focus;
 mod options;
 
-use bevy_math::{DMat3, DMat4, DVec3, Mat4};
+use bevy_math::{DMat3, DMat4, DVec3, Mat4, UVec2};
 
 use super::{
     body::nearest_depth,
@@ -39,8 +39,8 @@ pub struct FitInput<'a> {
     pub light_travel: DVec3,
     /// Strength of the warp. Orthographic cameras always get a uniform map.
     pub warp: Warp,
-    /// Texels per side of the map.
-    pub map_size: u32,
+    /// Texels of the map across and along the warp axis.
+    pub map_size: UVec2,
     /// Texels left free on every side, so that filter kernels read inside the map.
     pub guard_texels: f64,
     /// Metres left free around the receivers, for lookups that move the receiver before they project it.

@@ -23,6 +23,10 @@ pub struct FitOptions {
     pub visible_far: Option<f64>,
     /// The axis along which the map is warped.
     pub axis: WarpAxis,
+    /// Only with [`WarpAxis::Direction`]: where the face begins, in metres from the projected eye along the axis, if the
+    /// receivers begin before it: a side that is stretched over the near face (Lloyd, section 5.3). The warp is at its best
+    /// from there on. `None`: where the receivers begin.
+    pub face_start: Option<f64>,
     /// Whether [`guarded_eta`](crate::maths::warp::guarded_eta) weakens the warp where light from inside the view cone
     /// makes it harmful. Without it the papers' parameters are used as they stand.
     pub guard: bool,
@@ -37,6 +41,7 @@ impl Default for FitOptions {
             pseudo_far: None,
             visible_far: None,
             axis: WarpAxis::View,
+            face_start: None,
             guard: true,
         }
     }
@@ -54,7 +59,7 @@ impl FitOptions {
 
     /// True when a depth is NaN.
     pub(super) fn is_nan(&self) -> bool {
-        [self.pseudo_near, self.pseudo_far, self.visible_far]
+        [self.pseudo_near, self.pseudo_far, self.visible_far, self.face_start]
             .into_iter()
             .flatten()
             .any(f64::is_nan)
@@ -63,6 +68,7 @@ impl FitOptions {
 
 /// Where the projection centre of the warp lies, across the warp axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum ProjectionCenter {
     /// Beside the point of the view axis at the depth of the nearest point of LVS (Stingl, section 4.1): continuous under
     /// motion, symmetric under a sun overhead. With an axis other than [`WarpAxis::View`] it is beside the eye.

@@ -41,7 +41,7 @@
 //!
 //! For light across the view it equals [`Warp::Psm`](super::Warp::Psm) texel by texel; a test holds that.
 
-use bevy_math::{DMat4, DVec3, DVec4, Vec4Swizzles};
+use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2, Vec4Swizzles};
 
 use super::super::{
     fit::{FitInput, Unfit},
@@ -134,7 +134,8 @@ pub fn fit_post_perspective(input: &FitInput) -> Result<PostPerspectiveFit, Post
         rows(row(across), row(along), row(axis), row_width).determinant() * cube_from_world.determinant() < 0.0;
     let across = if mirrored { -across } else { across };
 
-    let inner = 1.0 - (2.0 * input.guard_texels.max(0.0) / f64::from(input.map_size.max(1))).min(0.5);
+    let texels = input.map_size.max(UVec2::ONE).as_dvec2();
+    let inner = 1.0 - (2.0 * input.guard_texels.max(0.0) / texels).min(DVec2::splat(0.5));
     let focus = |row: DVec4, low: f64, high: f64| {
         let range = visible
             .iter()
@@ -147,8 +148,8 @@ pub fn fit_post_perspective(input: &FitInput) -> Result<PostPerspectiveFit, Post
         (row - row_width * ((smallest + largest) * 0.5)) * scale + row_width * ((low + high) * 0.5)
     };
     let clip_from_cube = rows(
-        focus(row(across), -inner, inner),
-        focus(row(along), -inner, inner),
+        focus(row(across), -inner.x, inner.x),
+        focus(row(along), -inner.y, inner.y),
         focus(row(axis), DEPTH_MARGIN, 1.0 - DEPTH_MARGIN),
         row_width,
     );

@@ -76,6 +76,20 @@ impl WarpSpan {
         Self::new(extent, near_depth, near_depth + extent * sine)
     }
 
+    /// This span with `lead` more metres of receivers in front of it, over which nothing is levelled: those of a side face
+    /// that is stretched over the near face. The projection centre stays where it is.
+    #[must_use]
+    pub fn led_by(self, lead: f64) -> Self {
+        Self {
+            extent: self.extent + lead,
+            levelled: Levelled {
+                lead: self.levelled.lead + lead,
+                ..self.levelled
+            },
+            ..self
+        }
+    }
+
     /// [`WarpSpan::directional`] as a rule reads it.
     ///
     /// Every rule has the form n_opt = (z0 + √(z0 z1)) ÷ sin γ, and with s = 1 ÷ sin γ that is the n_opt of a span with

@@ -27,7 +27,7 @@ use super::{
     shaders,
 };
 use crate::shadow::{
-    settings::{PartitionSelection, ShadowBias, ShadowFilter},
+    settings::{Faces, PartitionSelection, SeamWidth, ShadowBias, ShadowFilter},
     timing::SystemTimes,
 };
 
@@ -103,9 +103,10 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
     for (index, (target, light_view)) in light_views.iter_mut().zip(&sun.light_views).enumerate() {
         *target = GpuLightView {
             clip_from_world: light_view.clip_from_world,
-            atlas_rect: atlas.rect(index as u32).as_vec4(),
+            atlas_rect: atlas.rect(index).as_vec4(),
             depth_range: Vec2::new(light_view.near_depth, light_view.far_depth),
-            padding: Vec2::ZERO,
+            seam_depth: light_view.seam_depth,
+            padding: 0.0,
         };
     }
     let (bias_kind, bias_value, bias_units) = match sun.settings.bias {
@@ -122,14 +123,27 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         ShadowFilter::Poisson { taps, .. } => (2, taps, 0.0),
         ShadowFilter::Pcss { taps, sun_diameter, .. } => (3, taps, sun_diameter),
     };
+    let seams = sun.settings.seams;
+    let (has_seams, seam_share, seam_metres) = match seams.width {
+        SeamWidth::None => (false, 0.0, 0.0),
+        SeamWidth::Share(share) => (share > 0.0, share, 0.0),
+        SeamWidth::Metres(metres) => (metres > 0.0, 0.0, metres),
+    };
+    // An endless range has no end to fade at.
+    let fade_length = if sun.end_depth.is_finite() {
+        sun.end_depth * seams.fade
+    } else {
+        0.0
+    };
     ApplyParameters {
         light_views,
         direction_to_light: sun.direction_to_light,
         light_view_count: sun.light_views.len().min(MAX_LIGHT_VIEWS) as u32,
         shadow_distance: sun.shadow_distance,
-        selection: match sun.settings.selection {
-            PartitionSelection::Depth => 0,
-            PartitionSelection::BestResolution => 1,
+        selection: match (sun.settings.partitions.faces, sun.settings.selection) {
+            (Faces::Apart { .. }, _) => 3,
+            (Faces::Together, PartitionSelection::Depth) => 0,
+            (Faces::Together, PartitionSelection::BestResolution) => 1,
         },
         filter_kind,
         bias_kind,
@@ -139,6 +153,11 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         filter_radius: sun.settings.filter.world_radius(),
         search_taps: filter_taps,
         sun_tangent: (sun_diameter.to_radians() * 0.5).tan(),
+        seam_share,
+        seam_metres,
+        has_seams: u32::from(has_seams),
+        fade_end: sun.end_depth,
+        fade_length,
         ..default()
     }
 }

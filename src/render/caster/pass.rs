@@ -155,7 +155,7 @@ pub fn draw_casters(
         let span = diagnostics.pass_span(&mut pass, label);
         if ready {
             for (index, light_view) in light_views.iter().enumerate() {
-                let rect = atlas.rect(index as u32);
+                let rect = atlas.rect(index);
                 pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
                 pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
                 if let Err(error) = phase.render(&mut pass, world, *light_view) {

@@ -128,9 +128,9 @@ pub fn prepare_caster_views(
             (&views.light_views, first_layer, MASTER_SUBVIEW + 1),
             (&views.second_views, second_layer, SECOND_SUBVIEW),
         ] {
-            for (index, (entity, light_view)) in (0..).zip(entities.iter().zip(&sun.light_views)) {
+            for (index, (entity, light_view)) in entities.iter().zip(&sun.light_views).enumerate() {
                 let mut retained = retained_master;
-                retained.subview_index = first_number + index;
+                retained.subview_index = first_number + index as u32;
                 let mut entity = commands.entity(*entity);
                 entity.insert(render_view(light_view, atlas.rect(index), retained));
                 match layer {

@@ -58,9 +58,9 @@ impl TexelHeatMap {
         for (target, map) in light_views.iter_mut().zip(&self.light_maps.maps) {
             *target = GpuLightView {
                 clip_from_world: map.clip_from_world.as_mat4(),
-                atlas_rect: Vec4::new(0.0, 0.0, map.size as f32, map.size as f32),
+                atlas_rect: UVec4::new(0, 0, map.size.x, map.size.y).as_vec4(),
                 depth_range: Vec2::new(0.0, map.far_depth as f32),
-                padding: Vec2::ZERO,
+                ..default()
             };
         }
         ApplyParameters {
@@ -72,6 +72,7 @@ impl TexelHeatMap {
                 Selection::Depth => 0,
                 Selection::BestResolution => 1,
                 Selection::Cascades => 2,
+                Selection::Finest => 3,
             },
             opacity: self.opacity,
             ..default()

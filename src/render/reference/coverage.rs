@@ -4,7 +4,7 @@
 //! The second is the ideal of a fit that knows the view but not what hides what: texels in the projection of H, the part of
 //! the scene's box in the slice of the view that a map is meant for. For Bevy's cascades it is about a third.
 
-use bevy::math::{DMat2, DVec2, DVec3};
+use bevy::math::{DMat2, DVec2, DVec3, UVec2};
 
 use super::{
     pixels::{PixelRays, Traced},
@@ -48,15 +48,15 @@ const ROUNDING: f64 = 1.0e-6;
 
 /// Texels of one map, row by row.
 struct Grid {
-    size: u32,
+    size: UVec2,
     touched: Vec<bool>,
 }
 
 impl Grid {
-    fn new(size: u32) -> Self {
+    fn new(size: UVec2) -> Self {
         Self {
             size,
-            touched: vec![false; size as usize * size as usize],
+            touched: vec![false; size.x as usize * size.y as usize],
         }
     }
 
@@ -66,11 +66,9 @@ impl Grid {
         if !middle.is_finite() || !half.is_finite() {
             return;
         }
-        let last = f64::from(self.size) - 1.0;
-        let low = (middle - half).floor().clamp(DVec2::ZERO, DVec2::splat(last));
-        let high = ((middle + half).ceil() - 1.0)
-            .clamp(DVec2::ZERO, DVec2::splat(last))
-            .max(low);
+        let last = self.size.as_dvec2() - 1.0;
+        let low = (middle - half).floor().clamp(DVec2::ZERO, last);
+        let high = ((middle + half).ceil() - 1.0).clamp(DVec2::ZERO, last).max(low);
         // Separating axes: those of the squares are the bounds above, those of the parallelogram are these.
         let sides = DMat2::from_cols(steps[0], steps[1]);
         let from_map = (sides.determinant().abs() > 1.0e-12).then(|| sides.inverse());
@@ -85,7 +83,7 @@ impl Grid {
                     _ => true,
                 };
                 if is_touched {
-                    self.touched[y * self.size as usize + x] = true;
+                    self.touched[y * self.size.x as usize + x] = true;
                 }
             }
         }
@@ -107,11 +105,11 @@ fn area_in_view(map: &LightMap, view: &ViewVolume, scene: &Bounds) -> f64 {
     let visible = light_visible(&slice, scene);
     let corners: Vec<DVec2> = visible.vertices().iter().map(|corner| map.texel(*corner)).collect();
     // Where w is positive, the projection of a convex body is convex.
-    let side = f64::from(map.size);
+    let size = map.size.as_dvec2();
     let mut outline = hull(corners);
     for (normal, limit) in [
-        (DVec2::X, side),
-        (DVec2::Y, side),
+        (DVec2::X, size.x),
+        (DVec2::Y, size.y),
         (DVec2::NEG_X, 0.0),
         (DVec2::NEG_Y, 0.0),
     ] {
@@ -160,7 +158,7 @@ fn cut(outline: &[DVec2], normal: DVec2, limit: f64) -> Vec<DVec2> {
 
 #[cfg(test)]
 mod tests {
-    use bevy::math::{DMat4, UVec2};
+    use bevy::math::DMat4;
 
     use super::*;
     use crate::render::{
@@ -189,7 +187,7 @@ mod tests {
                 [0.0, -0.05, 0.0, 0.0],
                 [0.0, 0.0, 0.5, 1.0],
             ]),
-            size: 200,
+            size: UVec2::splat(200),
             near_depth,
             far_depth,
         }
@@ -206,7 +204,7 @@ mod tests {
     #[test]
     fn footprints_touch_texels() {
         let touched = |middle: [f64; 2], steps: [[f64; 2]; 2]| {
-            let mut grid = Grid::new(8);
+            let mut grid = Grid::new(UVec2::splat(8));
             grid.touch(middle.into(), steps.map(DVec2::from));
             grid.count()
         };

@@ -53,11 +53,7 @@ pub fn samples(maps: &LightMaps, rays: &PixelRays, traced: &Traced) -> Vec<Optio
 fn sample(maps: &LightMaps, camera: &Camera, point: &SurfacePoint) -> Option<Sample> {
     let map = maps.select(point.position_world, point.view_depth)?;
     let light_map = maps.maps[map];
-    let texel = texel_footprint(
-        &light_map.clip_from_world,
-        UVec2::splat(light_map.size),
-        point.position_world,
-    )?;
+    let texel = texel_footprint(&light_map.clip_from_world, light_map.size, point.position_world)?;
     let ratio = texels_on_pixels(&texel, &camera.footprint(point)?, point.normal_world)?;
     Some(Sample {
         map,
@@ -151,7 +147,7 @@ mod tests {
                     [0.0, -2.0 / depth, 0.0, 0.0],
                     [0.0, 0.0, 0.5, 1.0],
                 ]),
-                size,
+                size: UVec2::splat(size),
                 near_depth: 0.1,
                 far_depth: 100.0,
             }],

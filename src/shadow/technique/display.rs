@@ -43,11 +43,15 @@ mod tests {
 
     use super::*;
     use crate::{
-        maths::{split::SplitScheme, warp::Warp},
+        maths::{
+            fit::ProjectionCenter,
+            split::SplitScheme,
+            warp::{OptimumRule, Warp},
+        },
         shadow::{
             settings::{
-                PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
-                SunShadows,
+                Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams, ShadowBias,
+                ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, WarpDirection,
             },
             technique::StockBias,
         },
@@ -57,6 +61,33 @@ mod tests {
     fn every_listed_technique_round_trips() {
         for technique in Technique::all().into_iter().chain([Technique::Bevy(StockBias::TUNED)]) {
             assert_eq!(technique.to_string().parse(), Ok(technique));
+        }
+    }
+
+    prop_compose! {
+        fn any_fit()(
+            center in prop_oneof![Just(ProjectionCenter::Continuous), Just(ProjectionCenter::NearestVertex)],
+            axis in prop_oneof![Just(WarpDirection::View), Just(WarpDirection::Middle)],
+            optimum in prop_oneof![Just(OptimumRule::Derived), Just(OptimumRule::Literal), Just(OptimumRule::Demo)],
+            pseudo_near in prop::option::of(0.001f32..1e6),
+            pseudo_far in prop::option::of(0.001f32..1e6),
+            guard in any::<bool>(),
+            align in any::<bool>(),
+        ) -> FitSettings {
+            FitSettings { center, axis, optimum, pseudo_near, pseudo_far, guard, align }
+        }
+    }
+
+    prop_compose! {
+        fn any_seams()(
+            width in prop_oneof![
+                Just(SeamWidth::None),
+                (0.0f32..=0.5).prop_map(SeamWidth::Share),
+                (0.001f32..1e6).prop_map(SeamWidth::Metres),
+            ],
+            fade in 0.0f32..=1.0,
+        ) -> Seams {
+            Seams { width, fade }
         }
     }
 
@@ -108,12 +139,27 @@ mod tests {
                 ],
                 (0u32..=16, 0.001f32..1e6).prop_map(|(iterations, full_depth)| ShadowBlur { iterations, full_depth }),
             ),
-            distance in prop::option::of(0.001f32..1e6),
-            near in prop::option::of(0.001f32..1e6),
+            (faces, near_map, etas, resolution, fit, seams) in (
+                any::<bool>(),
+                any::<bool>(),
+                prop::option::of(prop::collection::vec(-1.0f32..=0.0, count as usize)),
+                prop_oneof![Just(MapResolution::Equal), Just(MapResolution::Balanced)],
+                any_fit(),
+                any_seams(),
+            ),
+            [distance, near] in [prop::option::of(0.001f32..1e6), prop::option::of(0.001f32..1e6)],
             fallback_map in any::<bool>(),
             count in Just(count),
         ) -> SunShadows {
-            let full = SunShadows { path, partitions: Partitions { count, scheme }, warp, map_size, selection, filter, bias, store, blur, distance, near, fallback_map };
+            let has_faces = faces && count <= SunShadows::MAX_FACE_SLICES && path == ShadowPath::Full;
+            let faces = if has_faces { Faces::Apart { near_map: near_map && count < 4 } } else { Faces::Together };
+            let warp = if fit.align { warp } else { Warp::Uniform };
+            let etas = if matches!(warp, Warp::Free { .. }) { etas.unwrap_or_default() } else { Vec::new() };
+            let selection = if has_faces { SunShadows::HIGH.selection } else { selection };
+            let partitions = Partitions { count, scheme, faces, etas, resolution };
+            let full = SunShadows {
+                path, partitions, warp, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, fallback_map,
+            };
             match path {
                 ShadowPath::Full => full,
                 // What only the full path does keeps its default, Bevy draws maps of powers of two, and no warp is
@@ -121,6 +167,12 @@ mod tests {
                 ShadowPath::DropIn => SunShadows {
                     map_size: map_size.next_power_of_two(),
                     warp: if full.warp.eta() > Warp::Lispsm.eta() { Warp::Lispsm } else { full.warp },
+                    partitions: Partitions {
+                        resolution: MapResolution::Equal,
+                        etas: if full.warp.eta() > Warp::Lispsm.eta() { Vec::new() } else { full.partitions.etas },
+                        ..full.partitions
+                    },
+                    seams: SunShadows::HIGH.seams,
                     selection: SunShadows::HIGH.selection,
                     filter: SunShadows::HIGH.filter,
                     bias: if full.bias.is_for_drop_in() { full.bias } else { SunShadows::HIGH.bias },

@@ -6,6 +6,7 @@
 //! | `uniform` | one focused map without warp |
 //! | `lispsm`, `repar`, `psm`, `tsm`, `free` | one warped map |
 //! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
+//! | `fp+lispsm`, `fp2+lispsm` | face partitions of one slice or several (1..=4), at most 16 maps |
 //!
 //! The keys and their values are listed by [`keys`]. Texels are budgeted: one map has 4096², several share 4096² in a square
 //! grid of cells ([`default_map_size`]), so that techniques compare at equal memory.
@@ -23,6 +24,7 @@ mod pairs;
 mod parse;
 mod partition_keys;
 mod path_keys;
+mod seam_keys;
 mod stock_keys;
 mod warps;
 
@@ -30,7 +32,11 @@ pub use error::TechniqueError;
 
 use bevy::{light::CascadeShadowConfig, prelude::*};
 
-use super::{settings::SunShadows, views::SunViews};
+use super::{
+    layout::cells_per_side,
+    settings::{Faces, MapResolution, SunShadows},
+    views::SunViews,
+};
 use crate::maths::warp::Warp;
 
 /// What draws the sun's shadows.
@@ -106,11 +112,6 @@ pub fn default_map_size(count: u32) -> u32 {
     TEXELS_PER_SIDE / cells_per_side(count)
 }
 
-/// Side of the square grid of cells that holds `count` maps.
-fn cells_per_side(count: u32) -> u32 {
-    (1..).find(|side| side * side >= count).unwrap_or(1)
-}
-
 /// Side of the texel budget of a technique.
 const TEXELS_PER_SIDE: u32 = 4096;
 
@@ -127,6 +128,7 @@ impl Technique {
             settings.partitions.count = count;
             Self::Umbrage(settings)
         };
+        let faces = |count| Self::Umbrage(base::faces_of(count, Warp::Lispsm));
         vec![
             Self::Bevy(StockBias::default()),
             of(1, Warp::Uniform),
@@ -139,6 +141,8 @@ impl Technique {
             of(4, Warp::Psm),
             of(9, Warp::Lispsm),
             of(16, Warp::Lispsm),
+            faces(1),
+            faces(2),
         ]
     }
 
@@ -161,9 +165,17 @@ impl Technique {
             }
             Self::Bevy(_) => return "stock cascades".to_owned(),
         };
-        let maps = match settings.partitions.count {
-            1 => "one map".to_owned(),
-            count => format!("{count} z-partitions"),
+        let maps = match (settings.partitions.faces, settings.partitions.count) {
+            (Faces::Together, 1) => "one map".to_owned(),
+            (Faces::Together, count) => format!("{count} z-partitions"),
+            (Faces::Apart { .. }, count) => {
+                let slices = if count == 1 {
+                    String::new()
+                } else {
+                    format!(" of {count} slices")
+                };
+                format!("up to {} face partitions{slices}", settings.partitions.maps())
+            }
         };
         let warp = match settings.warp {
             Warp::Uniform => "focused, no warp",
@@ -173,7 +185,14 @@ impl Technique {
             Warp::Tsm { .. } => "trapezoidal warp",
             Warp::Free { .. } => "warp of free strength",
         };
-        format!("{maps} of {0} x {0} texels, {warp}", settings.map_size)
+        let size = match settings.partitions.resolution {
+            MapResolution::Equal => format!("of {0} x {0} texels", settings.map_size),
+            MapResolution::Balanced => {
+                let side = settings.map_size * cells_per_side(settings.partitions.maps());
+                format!("that share {side} x {side} texels by need")
+            }
+        };
+        format!("{maps} {size}, {warp}")
     }
 
     /// Makes this the technique of a sun: call it with the entity of the

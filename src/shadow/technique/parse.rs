@@ -63,9 +63,16 @@ mod tests {
 
     use super::*;
     use crate::{
-        maths::{split::SplitScheme, warp::Warp},
+        maths::{
+            fit::ProjectionCenter,
+            split::SplitScheme,
+            warp::{OptimumRule, Warp},
+        },
         shadow::{
-            settings::{PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore},
+            settings::{
+                Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, ShadowBias, ShadowBlur,
+                ShadowFilter, ShadowPath, ShadowStore, WarpDirection,
+            },
             technique::StockBias,
         },
     };
@@ -113,8 +120,8 @@ mod tests {
         let expected = SunShadows {
             path: ShadowPath::Full,
             partitions: Partitions {
-                count: 3,
                 scheme: SplitScheme::Manual(vec![10.0, 30.5]),
+                ..Partitions::slices(3)
             },
             warp: Warp::Free { eta: -0.25 },
             map_size: 500,
@@ -126,6 +133,7 @@ mod tests {
             distance: Some(300.0),
             near: Some(1.5),
             fallback_map: false,
+            ..SunShadows::HIGH
         };
         assert_eq!(all, expected);
         assert_eq!(settings("zp4:path=dropin").path, ShadowPath::DropIn);
@@ -136,6 +144,47 @@ mod tests {
         );
         assert_eq!(settings("zp4:bias=none").bias, ShadowBias::None);
         assert_eq!(settings("zp4:near=auto,distance=auto"), settings("zp4"));
+        assert_eq!(settings("zp4:split=self"), settings("zp4:split=log"));
+        let fit = settings(
+            "zp2+free:etas=0/-0.5,center=vertex,axis=middle,optimum=demo,pseudo_near=2,pseudo_far=90,guard=off",
+        );
+        assert_eq!(fit.partitions.etas, [0.0, -0.5]);
+        let expected = FitSettings {
+            center: ProjectionCenter::NearestVertex,
+            axis: WarpDirection::Middle,
+            optimum: OptimumRule::Demo,
+            pseudo_near: Some(2.0),
+            pseudo_far: Some(90.0),
+            guard: false,
+            align: true,
+        };
+        assert_eq!(fit.fit, expected);
+        assert!(!settings("zp4:align=off").fit.align);
+        let seams = settings("zp4:seam=2.5m,fade=0.1,resolution=balanced");
+        assert_eq!((seams.seams.width, seams.seams.fade), (SeamWidth::Metres(2.5), 0.1));
+        assert_eq!(seams.partitions.resolution, MapResolution::Balanced);
+        assert_eq!(settings("zp4:seam=0.1").seams.width, SeamWidth::Share(0.1));
+    }
+
+    #[test]
+    fn face_partitions_share_one_budget() {
+        for (text, slices, near_map, maps, size) in [
+            ("fp", 1, true, 5, 1365),
+            ("fp2", 2, true, 9, 1365),
+            ("fp3+lispsm", 3, true, 13, 1024),
+            ("fp4", 4, false, 16, 1024),
+            ("fp2:near_map=off", 2, false, 8, 1365),
+        ] {
+            let faces = settings(text);
+            assert_eq!(faces.partitions.faces, Faces::Apart { near_map }, "{text}");
+            assert_eq!(
+                (faces.partitions.count, faces.partitions.maps(), faces.map_size),
+                (slices, maps, size)
+            );
+        }
+        assert_eq!(settings("fp1"), settings("fp"));
+        assert_eq!(settings("fp+lispsm").warp, Warp::Lispsm);
+        assert_eq!(settings("fp2:split=log").partitions.scheme, SplitScheme::Logarithmic);
     }
 
     #[test]
@@ -156,7 +205,23 @@ mod tests {
                 "tiled",
                 &["`tiled`", "not available in this version", "zp16", "lispsm"][..],
             ),
-            ("fp4", &["`fp4`", "not available"]),
+            ("fp5", &["`fp5`", "1 to 4"]),
+            ("fp0", &["`fp0`", "1 to 4"]),
+            ("fpx", &["`fpx`", "1 to 4"]),
+            ("fp4:near_map=on", &["`fp4`", "no room"]),
+            ("fp:path=dropin", &["face partitions", "view depth"]),
+            ("fp:select=depth", &["`select=`", "finest"]),
+            ("zp4:near_map=on", &["`near_map=`", "`zp4`"]),
+            ("zp4:path=dropin,resolution=balanced", &["`resolution=`", "path=dropin"]),
+            ("zp4:path=dropin,seam=0.1", &["`seam=`", "path=dropin"]),
+            ("zp4:seam=0.6", &["`seam=0.6`", "0..=0.5"]),
+            ("zp4:seam=-1m", &["`seam=-1m`"]),
+            ("zp4:fade=2", &["`fade=2`", "0..=1"]),
+            ("zp4+lispsm:etas=0/0/0/0", &["`etas=`", "free"]),
+            ("zp4+free:etas=0/0", &["`etas=`", "4 of them"]),
+            ("zp2+free:etas=0/0.5,path=dropin", &["stronger than lispsm"]),
+            ("lispsm:align=off", &["align=off", "no warp"]),
+            ("lispsm:center=edge", &["`center=edge`", "vertex"]),
             ("blur", &["no technique `blur`", "uniform"]),
             ("zp4+blur", &["no warp `blur`", "repar, psm, tsm"]),
             ("zp0", &["1 to 16"]),
@@ -172,7 +237,10 @@ mod tests {
             ("bevy:depth_bias=inf", &["`depth_bias=inf`", "metres >= 0"]),
             ("lispsm:depth_bias=1", &["belongs to `bevy`", "`bias=`"]),
             ("uniform+psm", &["`uniform` takes no warp"]),
-            ("zp4:colour=red", &["no key `colour`", "path, size, fallback, split"]),
+            (
+                "zp4:colour=red",
+                &["no key `colour`", "path, size, fallback", "depth_bias"],
+            ),
             ("zp4:size=0", &["`size=0`", "16..=8192"]),
             ("zp16:size=8192", &["16 maps", "4096"]),
             ("zp4:size", &["`size=`"]),

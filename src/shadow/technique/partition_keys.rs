@@ -5,15 +5,17 @@ use super::{
     pairs::{Key, Pairs, Topic, metres, number},
 };
 use crate::{
-    maths::split::SplitScheme,
-    shadow::settings::{PartitionSelection, SunShadows},
+    maths::{split::SplitScheme, warp::Warp},
+    shadow::settings::{Faces, MapResolution, PartitionSelection, SunShadows},
 };
 
 pub(super) const TOPIC: Topic = Topic {
     keys: &[
-        Key::new("split", "log|practical|uniform|manual"),
+        Key::new("split", "log|self|practical|uniform|manual; self is log"),
         Key::new("lambda", "0..=1, for split=practical"),
         Key::new("splits", "ascending metres, e.g. 10/30/80, for split=manual"),
+        Key::new("etas", "a strength -1..=1 per slice, e.g. 0/-0.5/-1, for the warp free"),
+        Key::full("resolution", "equal|balanced: how texels are divided among maps"),
         Key::full("select", "depth|best"),
     ],
     read,
@@ -23,6 +25,30 @@ pub(super) const TOPIC: Topic = Topic {
 fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
     let partitions = &mut settings.partitions;
     partitions.scheme = scheme_of(partitions.count, partitions.scheme.clone(), pairs)?;
+    if let Some(etas) = pairs.read("etas", strengths)? {
+        if !matches!(settings.warp, Warp::Free { .. }) {
+            return Err(TechniqueError::together("`etas=` belongs to the warp `free`"));
+        }
+        if etas.len() != settings.partitions.count as usize {
+            return Err(TechniqueError::together(format!(
+                "`etas=` takes a strength per slice, {} of them between slashes",
+                settings.partitions.count
+            )));
+        }
+        settings.partitions.etas = etas;
+    }
+    if let Some(resolution) = pairs.read("resolution", |text| match text {
+        "equal" => Some(MapResolution::Equal),
+        "balanced" => Some(MapResolution::Balanced),
+        _ => None,
+    })? {
+        settings.partitions.resolution = resolution;
+    }
+    if pairs.has("select") && settings.partitions.faces != Faces::Together {
+        return Err(TechniqueError::together(
+            "`select=` means nothing with `fp`: face partitions take the finest map",
+        ));
+    }
     if let Some(selection) = pairs.read("select", |text| match text {
         "depth" => Some(PartitionSelection::Depth),
         "best" => Some(PartitionSelection::BestResolution),
@@ -39,6 +65,11 @@ fn split_list(text: &str) -> Option<Vec<f32>> {
     splits.is_sorted_by(|a, b| a < b).then_some(splits)
 }
 
+/// Strengths of warps between slashes.
+fn strengths(text: &str) -> Option<Vec<f32>> {
+    text.split('/').map(|eta| number(eta, -1.0..=1.0)).collect()
+}
+
 fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitScheme, TechniqueError> {
     #[derive(Clone, Copy, PartialEq)]
     enum Kind {
@@ -48,7 +79,8 @@ fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitSch
         Manual,
     }
     let kind = pairs.read("split", |text| match text {
-        "log" => Some(Kind::Log),
+        // Lloyd's self-similar splits are the logarithmic ones.
+        "log" | "self" => Some(Kind::Log),
         "practical" => Some(Kind::Practical),
         "uniform" => Some(Kind::Uniform),
         "manual" => Some(Kind::Manual),
@@ -96,6 +128,16 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
                 let splits: Vec<_> = splits.iter().map(ToString::to_string).collect();
                 format!("splits={}", splits.join("/"))
             }
+        });
+    }
+    if settings.partitions.etas != default.partitions.etas {
+        let etas: Vec<_> = settings.partitions.etas.iter().map(ToString::to_string).collect();
+        pairs.push(format!("etas={}", etas.join("/")));
+    }
+    if settings.partitions.resolution != default.partitions.resolution {
+        pairs.push(match settings.partitions.resolution {
+            MapResolution::Equal => "resolution=equal".to_owned(),
+            MapResolution::Balanced => "resolution=balanced".to_owned(),
         });
     }
     if settings.selection != default.selection {

@@ -1,13 +1,13 @@
 //! Keys of the path and of its maps, their text, and what the drop-in path refuses.
 
 use super::{
-    cells_per_side,
     error::TechniqueError,
     pairs::{Key, Pairs, Topic, switch, switch_text},
 };
 use crate::shadow::{
     checked::MAP_SIZES,
-    settings::{ShadowPath, SunShadows},
+    layout::cells_per_side,
+    settings::{Faces, ShadowPath, SunShadows},
 };
 
 /// Side of the largest texture that every desktop adapter has.
@@ -31,8 +31,13 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     })? {
         settings.path = path;
     }
-    let count = settings.partitions.count;
     if settings.path == ShadowPath::DropIn {
+        if settings.partitions.faces != Faces::Together {
+            return Err(TechniqueError::together(
+                "`path=dropin` has no face partitions: Bevy selects maps by view depth",
+            ));
+        }
+        let count = settings.partitions.count;
         if count > SunShadows::MAX_DROP_IN_PARTITIONS {
             return Err(TechniqueError::together(format!(
                 "`path=dropin` has at most {} z-partitions, not {count}",
@@ -49,6 +54,7 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     if let Some(size) = pairs.read("size", |text| {
         text.parse::<u32>().ok().filter(|size| MAP_SIZES.contains(size))
     })? {
+        let count = settings.partitions.maps();
         let largest = MAX_ATLAS / cells_per_side(count);
         if size > largest {
             return Err(TechniqueError::together(format!(

@@ -54,7 +54,7 @@ fn overhead_predictions_are_what_is_measured() {
                 body: &body,
                 light_travel: DVec3::NEG_Y,
                 warp,
-                map_size: map_side,
+                map_size: UVec2::splat(map_side),
                 guard_texels: f64::from(guard),
                 guard_metres: 0.0,
                 options: FitOptions::default(),

@@ -272,7 +272,7 @@ fn the_promised_error_is_kept() {
                 body: &fitted.body,
                 light_travel,
                 warp,
-                map_size: 1024,
+                map_size: UVec2::splat(1024),
                 guard_texels: 0.0,
                 guard_metres: 0.0,
                 options: FitOptions::default(),

@@ -2,16 +2,19 @@
 //!
 //! A base is a file of this folder and a line of [`BASES`]. Keys that only some bases take belong to their topics.
 
+mod faces;
 mod z_partitions;
+
+pub(super) use faces::settings as faces_of;
 
 use super::{error::TechniqueError, pairs::Topic, warps};
 use crate::{maths::warp::Warp, shadow::settings::SunShadows};
 
-/// Every base but `bevy`.
-pub(super) const BASES: [&Base; 1] = [&z_partitions::BASE];
+/// Every base but `bevy`; the last takes all settings that are no other's.
+pub(super) const BASES: [&Base; 2] = [&faces::BASE, &z_partitions::BASE];
 
 /// What is planned but not built yet; named so that the error can say so.
-const PLANNED: [&str; 5] = ["fp", "tiled", "queried", "fitted", "optimal"];
+const PLANNED: [&str; 4] = ["tiled", "queried", "fitted", "optimal"];
 
 /// One kind of technique.
 pub(super) struct Base {

@@ -35,10 +35,7 @@ fn read(text: &str, warp: Option<Warp>) -> Result<Option<SunShadows>, TechniqueE
         },
     };
     Ok(Some(SunShadows {
-        partitions: Partitions {
-            count,
-            ..Partitions::default()
-        },
+        partitions: Partitions::slices(count),
         warp,
         map_size: default_map_size(count),
         ..SunShadows::HIGH

@@ -1,8 +1,16 @@
 //! [`SunShadows`]: everything a user sets, on the entity of the directional light.
 
+mod fit;
+mod partitions;
+mod seams;
+
+pub use fit::{FitSettings, WarpDirection};
+pub use partitions::{Faces, MapResolution, Partitions};
+pub use seams::{SeamWidth, Seams};
+
 use bevy::{light::DirectionalLight, prelude::*};
 
-use crate::maths::{split::SplitScheme, warp::Warp};
+use crate::maths::warp::Warp;
 
 /// Sharp sun shadows for a [`DirectionalLight`]: add it to the light's entity.
 ///
@@ -13,15 +21,19 @@ use crate::maths::{split::SplitScheme, warp::Warp};
 pub struct SunShadows {
     /// How shadows reach the picture. Full is the default; drop-in touches no shader but is limited to four partitions.
     pub path: ShadowPath,
-    /// Number of z-partitions and where they are split.
+    /// What the view frustum is cut into.
     pub partitions: Partitions,
     /// The perspective warp of every partition. On the drop-in path none stronger than `LiSPSM`.
     pub warp: Warp,
-    /// Texels per side of one partition's map. Memory: 4 bytes per texel and partition
+    /// How light views are fitted.
+    pub fit: FitSettings,
+    /// Texels per side of one partition's map; of balanced maps: on average. Memory: 4 bytes per texel and partition
     /// (2048²: 16 MiB each). Useful 256..=4096; default 2048, Bevy's own.
     pub map_size: u32,
     /// Which map a point reads where several cover it. Means nothing on the drop-in path, where Bevy picks by view depth.
     pub selection: PartitionSelection,
+    /// Blends between maps and at the end of the range.
+    pub seams: Seams,
     /// How the depth comparison is filtered. Means nothing on the drop-in path, where the camera's
     /// [`ShadowFilteringMethod`](bevy::light::ShadowFilteringMethod) decides.
     pub filter: ShadowFilter,
@@ -58,21 +70,13 @@ pub enum ShadowPath {
     DropIn,
 }
 
-/// z-partitions: slices of the view frustum, one map each.
-#[derive(Clone, Debug, PartialEq, Reflect)]
-pub struct Partitions {
-    /// 1..=16 (drop-in: 1..=4); other values are clamped with a warning.
-    pub count: u32,
-    /// Where the view frustum is split.
-    pub scheme: SplitScheme,
-}
-
 /// Which map a point reads where several cover it (Stingl, section 3.3.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 pub enum PartitionSelection {
-    /// By view depth, in half-open intervals.
+    /// By view depth, in half-open intervals. Face partitions have none of their own: they take the finest map.
     Depth,
-    /// The first (finest) map that contains the point.
+    /// The finest map that contains the point: of z-partitions the first, of face partitions the one with the most texels
+    /// there.
     #[default]
     BestResolution,
 }
@@ -238,22 +242,6 @@ impl ShadowBias {
     }
 }
 
-impl Default for Partitions {
-    fn default() -> Self {
-        Self {
-            count: 4,
-            scheme: Self::SCHEME,
-        }
-    }
-}
-
-impl Partitions {
-    /// The default split. Measured with four warped maps on the tuning shots of forest and city (far plane 500 m, 480x270;
-    /// wrong pixels in percent): lambda 0.8 0.386 and 1.654, 0.9 0.390 and 0.905, 0.94 0.375 and 0.968, 0.97 0.345 and
-    /// 1.073, 0.99 0.337 and 1.107.
-    pub const SCHEME: SplitScheme = SplitScheme::Practical { lambda: 0.9 };
-}
-
 impl Default for SunShadows {
     fn default() -> Self {
         Self::HIGH
@@ -261,8 +249,21 @@ impl Default for SunShadows {
 }
 
 impl SunShadows {
+    /// The largest strength eta of a warp in any partition.
+    #[must_use]
+    pub fn largest_eta(&self) -> f64 {
+        let own = match self.warp {
+            Warp::Free { .. } => &self.partitions.etas[..],
+            _ => &[],
+        };
+        own.iter()
+            .fold(self.warp.eta(), |largest, eta| largest.max(f64::from(*eta)))
+    }
+
     /// The largest number of partitions on the full path.
     pub const MAX_PARTITIONS: u32 = 16;
+    /// The largest number of slices with face partitions.
+    pub const MAX_FACE_SLICES: u32 = 4;
     /// The largest number of partitions that Bevy's own lookup can take.
     pub const MAX_DROP_IN_PARTITIONS: u32 = 4;
 
@@ -278,13 +279,12 @@ impl SunShadows {
     const fn preset(count: u32, map_size: u32) -> Self {
         Self {
             path: ShadowPath::Full,
-            partitions: Partitions {
-                count,
-                scheme: Partitions::SCHEME,
-            },
+            partitions: Partitions::slices(count),
             warp: Warp::Lispsm,
+            fit: FitSettings::BEST,
             map_size,
             selection: PartitionSelection::BestResolution,
+            seams: Seams::NONE,
             filter: ShadowFilter::Pcf2,
             bias: ShadowBias::Footprint { scale: 1.0 },
             store: ShadowStore::Nearest,
