@@ -117,6 +117,8 @@
 //! | E | `sides` of [`light_plane::space::FilmFrame`] | beyond C, for its extents of the film |
 //! | e_i, x_i | `error` of a film; [`light_plane::space::FilmPartition::shares`] | C 3.2 |
 //! | `LIGHT_FRUSTA_BUDGET` | [`light_plane::space::MergeLimits`] | C 3.2, Algorithm 2 |
+//! | LOD1, LOD2, t | old and new level; `t` of [`lod::crossing::Crossing`] | G 7.2 |
+//! | α, z-write (figure 7.2) | [`lod::blend::Coat`], [`lod::blend::coats`] | G 7.2 |
 
 pub mod analysis;
 pub mod bias;
@@ -133,6 +135,7 @@ pub mod footprint;
 mod hull;
 pub mod light;
 pub mod light_plane;
+pub mod lod;
 pub mod near_plane;
 pub mod polytope;
 pub mod selection;

@@ -17,6 +17,7 @@ mod kernel;
 mod light;
 mod light_body;
 mod light_plane_space;
+mod lod;
 mod near_plane;
 mod options;
 mod overhead;
