@@ -65,6 +65,30 @@ struct EyeBlur {
     axis: u32,
 }
 
+// Depths of a picture, as bits: positive numbers ascend with theirs. All zero: the picture shows only sky.
+struct DepthRange {
+    // Bits of the greatest NDC depth: of the nearest surface.
+    nearest: atomic<u32>,
+    // 2^32 - 1 less the bits of the least NDC depth above 0: of the farthest surface.
+    farthest: atomic<u32>,
+    // Pixels with geometry.
+    pixel_count: atomic<u32>,
+    padding: u32,
+}
+
+// The frame before, for the history of the shadow result.
+struct HistoryFrame {
+    // World to clip space of the frame before, without jitter.
+    clip_from_world: mat4x4<f32>,
+    // View depth of the frame before: dot product with a world-space point and 1.
+    view_depth_from_world: vec4<f32>,
+    // Share of the new result in the blend, 0..1.
+    new_share: f32,
+    // 1: the history holds the frame before.
+    is_valid: u32,
+    padding: vec2<f32>,
+}
+
 const SELECTION_DEPTH: u32 = 0u;
 const SELECTION_BEST_RESOLUTION: u32 = 1u;
 // Bevy's: the first map that ends behind the pixel, whether it contains it or not.

@@ -47,10 +47,12 @@ pub mod prelude {
         maths::{split::SplitScheme, warp::Warp},
         render::UmbragePlugins,
         shadow::{
+            measured::{MeasureUse, MeasuredDepths},
             settings::{
                 PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
                 SunShadows, WithoutSunShadows,
             },
+            stable::Stability,
             technique::Technique,
         },
     };

@@ -2,7 +2,8 @@
 
 use bevy::render::render_resource::ShaderType;
 use umbrage::render::gpu_types::{
-    ApplyParameters, CasterBin, CullParameters, DrawIndexedArguments, GpuEyeBlur, GpuLightView, MAX_LIGHT_VIEWS,
+    ApplyParameters, CasterBin, CullParameters, DrawIndexedArguments, GpuDepthRange, GpuEyeBlur, GpuHistoryFrame,
+    GpuLightView, MAX_LIGHT_VIEWS,
 };
 
 /// Name, size and member offsets of every structure that the shader compiler sees.
@@ -68,6 +69,10 @@ fn layouts_agree() {
         seam_share, seam_metres, has_seams, fade_end, fade_length,
     });
     assert_layout!(GpuEyeBlur, "EyeBlur", { iterations, full_depth, iteration, axis });
+    assert_layout!(GpuDepthRange, "DepthRange", { nearest, farthest, pixel_count, padding });
+    assert_layout!(GpuHistoryFrame, "HistoryFrame", {
+        clip_from_world, view_depth_from_world, new_share, is_valid, padding,
+    });
     assert_layout!(CasterBin, "CasterBin", {
         first_instance, instance_count, first_index, index_count, base_vertex, unbounded, padding_a, padding_b,
         center_local, half_extents_local,
@@ -76,7 +81,7 @@ fn layouts_agree() {
         index_count, instance_count, first_index, base_vertex, first_instance,
     });
     assert_layout!(CullParameters, "CullParameters", { instance_total, bin_count, light_view_count, padding });
-    assert_eq!(wgsl_structs().len(), 6, "a structure of types.wgsl has no twin here");
+    assert_eq!(wgsl_structs().len(), 8, "a structure of types.wgsl has no twin here");
     let array = include_str!("../shaders/types.wgsl").contains(&format!("array<LightView, {MAX_LIGHT_VIEWS}>"));
     assert!(array, "the array of light views has another length");
 }

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     level::{LoadedScene, Sun, sky::course::clock},
-    shadow::technique::Technique,
+    shadow::{measured::VisibleDepthRange, technique::Technique},
     ui::hud::HudText,
 };
 
@@ -87,7 +87,7 @@ fn write_technique(chosen: Res<Chosen>, mut hud: ResMut<HudText>) {
         Technique::Bevy(_) => "Bevy's stock cascades\nT: next technique   F1: help".into(),
         Technique::Umbrage(settings) => Setting::ALL
             .iter()
-            .zip(1..)
+            .zip(Setting::KEYS)
             .map(|(setting, key)| {
                 let value = if setting.applies_to(settings) {
                     setting.value(settings)
@@ -106,7 +106,7 @@ fn write_status(
     diagnostics: Res<DiagnosticsStore>,
     scene: Res<LoadedScene>,
     adapter: Option<Res<RenderAdapterInfo>>,
-    players: Query<&Player>,
+    players: Query<(&Player, Option<&VisibleDepthRange>)>,
     suns: Query<&Transform, With<Sun>>,
     day: Res<Day>,
     mut hud: ResMut<HudText>,
@@ -124,13 +124,19 @@ fn write_status(
     if let Some(adapter) = adapter {
         lines.push(ascii(&adapter.name));
     }
-    if let Ok(player) = players.single() {
+    if let Ok((player, measured)) = players.single() {
         let eye = player.walker.eye();
         let mode = match player.walker.mode {
             Mode::Walk => "walking",
             Mode::Fly => "flying",
         };
         lines.push(format!("{mode} at {:.1} {:.1} {:.1}", eye.x, eye.y, eye.z));
+        if let Some(depths) = measured.and_then(|measured| measured.depths) {
+            lines.push(format!(
+                "depths in the picture {:.2} to {:.1} m",
+                depths.nearest, depths.farthest
+            ));
+        }
     }
     if let Some(sun) = suns.iter().next() {
         let angles = SunAngles::from_light_dir(sun.forward().as_vec3());

@@ -38,7 +38,7 @@ pub enum Action {
     NextTechnique,
     /// The one before.
     PreviousTechnique,
-    /// The next value of one of the technique's settings, 1..=9.
+    /// The next value of one of the technique's settings, by the number of its key, from 1.
     NextSetting(u8),
     /// The value before.
     PreviousSetting(u8),
@@ -171,6 +171,20 @@ pub const ROWS: &[Row] = {
             ],
         ),
         playing(
+            "next value of one of the last settings",
+            &[
+                (Plain(KeyCode::Digit0), NextSetting(10)),
+                (Plain(KeyCode::Minus), NextSetting(11)),
+            ],
+        ),
+        playing(
+            "previous value of one of the last settings",
+            &[
+                (Shift(KeyCode::Digit0), PreviousSetting(10)),
+                (Shift(KeyCode::Minus), PreviousSetting(11)),
+            ],
+        ),
+        playing(
             "move the sun",
             &[
                 (Key(KeyCode::ArrowLeft), SunLeft),
@@ -254,6 +268,7 @@ fn key_name(key: KeyCode) -> String {
     let name = format!("{key:?}");
     match key {
         KeyCode::Escape => "Esc".into(),
+        KeyCode::Minus => "-".into(),
         KeyCode::ShiftLeft | KeyCode::ShiftRight => "Shift".into(),
         KeyCode::ControlLeft | KeyCode::ControlRight => "Ctrl".into(),
         _ => ["Key", "Digit", "Arrow"]

@@ -12,10 +12,12 @@ use crate::{
     level::Sun,
     maths::{split::SplitScheme, warp::Warp},
     shadow::{
+        measured::MeasuredDepths,
         settings::{
             Faces, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams, ShadowBias, ShadowFilter,
             ShadowPath, SunShadows,
         },
+        stable::Stability,
         technique::Technique,
     },
 };
@@ -24,7 +26,7 @@ use crate::{
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub struct Chosen(pub Technique);
 
-/// One of the settings that the keys 1 to 9 step through.
+/// One of the settings that the keys of [`Setting::KEYS`] step through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// Number of z-partitions, or face partitions.
@@ -45,6 +47,10 @@ pub enum Setting {
     Path,
     /// View depth up to which there are shadows.
     Distance,
+    /// Which planes come from depths in the picture.
+    Depths,
+    /// How shadows are kept from crawling.
+    Stable,
 }
 
 const CUTS: &[(u32, Faces)] = &[
@@ -115,10 +121,33 @@ const BIASES: &[ShadowBias] = &[
 ];
 const PATHS: &[ShadowPath] = &[ShadowPath::Full, ShadowPath::DropIn];
 const DISTANCES: &[Option<f32>] = &[None, Some(50.0), Some(100.0), Some(200.0), Some(400.0)];
+const DEPTHS: &[MeasuredDepths] = &[
+    MeasuredDepths::OFF,
+    MeasuredDepths {
+        splits: true,
+        ..MeasuredDepths::OFF
+    },
+    MeasuredDepths {
+        near: true,
+        far: true,
+        splits: true,
+        ..MeasuredDepths::OFF
+    },
+];
+const STABILITIES: &[Stability] = &[
+    Stability::Off,
+    Stability::SHARP,
+    Stability::Held,
+    Stability::Quantised,
+    Stability::Sphere,
+];
 
 impl Setting {
+    /// The keys of all settings, in their order.
+    pub const KEYS: [&str; 11] = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "0", "-"];
+
     /// In the order of their keys.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Partitions,
         Self::Split,
         Self::Warp,
@@ -128,11 +157,13 @@ impl Setting {
         Self::Bias,
         Self::Path,
         Self::Distance,
+        Self::Depths,
+        Self::Stable,
     ];
 
-    /// The setting of a digit key, 1..=9.
-    pub fn of_key(digit: u8) -> Option<Self> {
-        usize::from(digit)
+    /// The setting of the n-th key, from 1.
+    pub fn of_key(number: u8) -> Option<Self> {
+        usize::from(number)
             .checked_sub(1)
             .and_then(|index| Self::ALL.get(index))
             .copied()
@@ -150,6 +181,8 @@ impl Setting {
             Self::Bias => "bias",
             Self::Path => "path",
             Self::Distance => "distance",
+            Self::Depths => "depths",
+            Self::Stable => "stable",
         }
     }
 
@@ -213,12 +246,29 @@ impl Setting {
                 None => "to the far plane".into(),
                 Some(metres) => format!("{metres} m"),
             },
+            Self::Depths => {
+                let MeasuredDepths { near, far, splits, .. } = settings.measured;
+                let parts = [(near, "near"), (far, "far"), (splits, "splits")];
+                let measured: Vec<_> = parts.into_iter().filter(|part| part.0).map(|part| part.1).collect();
+                match measured[..] {
+                    [] => "of bounding boxes".into(),
+                    _ => format!("in the picture: {}", measured.join(", ")),
+                }
+            }
+            Self::Stable => match settings.stable {
+                Stability::Off => "off".into(),
+                Stability::Sphere => "bounding spheres".into(),
+                Stability::Quantised => "quantised scale".into(),
+                Stability::Held => "held grids".into(),
+                Stability::Sharp { frames } => format!("sharp, over {frames} frames"),
+            },
         }
     }
 
     /// False where the setting means nothing on the chosen path.
     pub fn applies_to(self, settings: &SunShadows) -> bool {
-        settings.path == ShadowPath::Full || !matches!(self, Self::Selection | Self::Filter)
+        settings.path == ShadowPath::Full
+            || !matches!(self, Self::Selection | Self::Filter | Self::Depths | Self::Stable)
     }
 
     /// Steps to the next value, or back; a value that is not in the list goes to its first. The drop-in path keeps
@@ -244,7 +294,10 @@ impl Setting {
             Self::Bias => settings.bias = neighbor(BIASES, &settings.bias, back),
             Self::Path => settings.path = neighbor(PATHS, &settings.path, back),
             Self::Distance => settings.distance = neighbor(DISTANCES, &settings.distance, back),
+            Self::Depths => settings.measured = neighbor(DEPTHS, &settings.measured, back),
+            Self::Stable => settings.stable = neighbor(STABILITIES, &settings.stable, back),
         }
+        self.settle_stability(settings);
         if settings.path == ShadowPath::DropIn && settings.warp.eta() > Warp::Lispsm.eta() {
             settings.warp = match (self, back) {
                 (Self::Warp, true) => {
@@ -274,6 +327,30 @@ impl Setting {
                 (Self::Partitions, false) => 1,
                 _ => SunShadows::MAX_DROP_IN_PARTITIONS,
             };
+        }
+    }
+}
+
+impl Setting {
+    /// Uniform maps that stand still take no warp, and those around spheres no measured depths: what was chosen last wins.
+    fn settle_stability(self, settings: &mut SunShadows) {
+        if settings.path != ShadowPath::Full {
+            return;
+        }
+        let is_chosen = self == Self::Stable;
+        if settings.stable.is_uniform() && settings.warp != Warp::Uniform {
+            if is_chosen {
+                settings.warp = Warp::Uniform;
+            } else {
+                settings.stable = Stability::Off;
+            }
+        }
+        if settings.stable == Stability::Sphere && settings.measured.is_on() {
+            if is_chosen {
+                settings.measured = MeasuredDepths::OFF;
+            } else {
+                settings.stable = Stability::Off;
+            }
         }
     }
 }
@@ -419,6 +496,23 @@ mod tests {
         assert!(Setting::ALL.iter().all(|setting| setting.applies_to(&settings)));
         settings.path = ShadowPath::DropIn;
         assert!(!Setting::Filter.applies_to(&settings) && !Setting::Selection.applies_to(&settings));
+        assert!(!Setting::Stable.applies_to(&settings) && !Setting::Depths.applies_to(&settings));
+    }
+
+    #[test]
+    fn what_was_chosen_last_wins() {
+        let mut settings = SunShadows::default();
+        while settings.stable != Stability::Sphere {
+            Setting::Stable.step(&mut settings, false);
+        }
+        assert_eq!(settings.warp, Warp::Uniform);
+        Setting::Depths.step(&mut settings, false);
+        assert_eq!(settings.stable, Stability::Off);
+        assert!(settings.measured.is_on());
+        settings.stable = Stability::Quantised;
+        Setting::Warp.step(&mut settings, false);
+        assert_eq!(settings.stable, Stability::Off);
+        assert_ne!(settings.warp, Warp::Uniform);
     }
 
     #[test]
@@ -436,6 +530,7 @@ mod tests {
         assert_eq!(Setting::of_key(1), Some(Setting::Partitions));
         assert_eq!(Setting::of_key(9), Some(Setting::Distance));
         assert_eq!(Setting::of_key(0), None);
-        assert_eq!(Setting::of_key(10), None);
+        assert_eq!(Setting::of_key(11), Some(Setting::Stable));
+        assert_eq!(Setting::of_key(12), None);
     }
 }

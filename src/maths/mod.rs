@@ -77,6 +77,7 @@
 //! | r_l, s_i, l_sc | radius in metres; [`filter::kernel::kernel_per_metre`]; the map's rectangle in the atlas | S 3.6.1, eq. 3.9 |
 //! | z0 and iterations of the blur | [`filter::eye_blur::EyeBlur`] | Scherzer 2005, 4.3 |
 //! | 64 levels of scale | [`stable::levels::ScaleLevels`] | S 3.5 |
+//! | temporal reprojection | [`stable::blend_history`] | Scherzer et al. 2007, cited by S 3.5 |
 //! | minimum depth | [`near_plane::DepthChain`], [`near_plane::late_near`] | S 4.3, A.2 |
 //! | dp/ds; W, n, d, φ, ψ, dG/dt | [`error::simple_error`]; [`error::Beam`] | S eq. 2.1; 2.2 |
 //! | res_s*, res_t*; S_0 | [`error::LargestErrors::critical_resolution`]; [`error::LargestErrors::balanced_resolution`] | L 4.2, eq. 13, 14 |

@@ -14,6 +14,7 @@ use super::{
     atlas::{ShadowAtlas, ShadowResult},
     blur::BlurTarget,
     caster::CasterStatistics,
+    history::HistoryTargets,
 };
 
 /// Memory in bytes and draw calls of the frame just drawn. Everything is 0 for cameras without shadows.
@@ -23,7 +24,7 @@ pub struct ShadowCost {
     pub bevy_maps: u64,
     /// [`ShadowAtlas`], both where there are two.
     pub atlas: u64,
-    /// [`ShadowResult`], and the texture that its blur goes to and fro between.
+    /// [`ShadowResult`], the texture that its blur goes to and fro between, and its history.
     pub result: u64,
     /// Indirect draws of the caster phase and their counts.
     pub caster_buffers: u64,
@@ -71,7 +72,10 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
             .map_or(0, |result| texture_bytes(&result.texture))
             + camera
                 .get::<BlurTarget>()
-                .map_or(0, |target| texture_bytes(&target.texture)),
+                .map_or(0, |target| texture_bytes(&target.texture))
+            + camera
+                .get::<HistoryTargets>()
+                .map_or(0, |targets| targets.textures.iter().map(texture_bytes).sum()),
         caster_buffers: counts.buffer_bytes,
         bevy_draw_calls: lights.map_or(0, |lights| bevy_draw_calls(render_world, lights)),
         atlas_draw_calls: u64::from(counts.light_views) * u64::from(counts.bins) * passes,

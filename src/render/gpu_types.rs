@@ -78,6 +78,34 @@ pub struct GpuEyeBlur {
     pub axis: u32,
 }
 
+/// Depths of a picture, as bits: positive numbers ascend with theirs. All zero: the picture shows only sky.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ShaderType)]
+pub struct GpuDepthRange {
+    /// Bits of the greatest NDC depth: of the nearest surface.
+    pub nearest: u32,
+    /// 2³² − 1 less the bits of the least NDC depth above 0: of the farthest surface.
+    pub farthest: u32,
+    /// Pixels with geometry.
+    pub pixel_count: u32,
+    /// Unused.
+    pub padding: u32,
+}
+
+/// The frame before, for the history of the shadow result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuHistoryFrame {
+    /// World to clip space of the frame before, without jitter.
+    pub clip_from_world: Mat4,
+    /// View depth of the frame before: dot product with a world-space point and 1.
+    pub view_depth_from_world: Vec4,
+    /// Share of the new result in the blend, 0..=1.
+    pub new_share: f32,
+    /// 1: the history holds the frame before.
+    pub is_valid: u32,
+    /// Unused.
+    pub padding: Vec2,
+}
+
 /// One bin of the caster phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
 pub struct CasterBin {

@@ -7,9 +7,11 @@
 //! prepare     atlas and result textures, caster phase, one render view per light view        atlas, caster::prepare
 //! queue       casters into one binned phase, shared by all light views                       caster::queue
 //! Core3d      depth prepass, Bevy's own shadow passes
+//!             └─► reduce: range of view depths, read back for later frames, if asked for depth_range
 //!             └─► plan:  bins of the phase, buffers                                          caster::plan
 //!             └─► cull and draw all light views into the atlas                               caster::pass
 //!             └─► apply: shadow result of every pixel                                        apply
+//!             └─► history: the same, blended with the frame before, if asked for         history
 //!             └─► blur:  the same, to and fro, if asked for                                  blur
 //!             └─► bridge: result ──► the sun's extra shadow layer                            bridge
 //!             Bevy's main pass, forward or deferred, any material, reads the layer
@@ -29,10 +31,12 @@ pub mod capabilities;
 pub mod capture;
 pub mod caster;
 pub mod cost;
+pub mod depth_range;
 pub mod drop_in;
 pub mod extract;
 pub mod gpu_types;
 pub mod heat_map;
+pub mod history;
 pub mod light_maps;
 pub mod mask;
 #[cfg(feature = "demo")]
@@ -75,6 +79,8 @@ pub enum SunShadowPasses {
     DrawCasters,
     /// Writes the shadow result of every pixel.
     Apply,
+    /// Blends the shadow result with that of the frame before, if the sun's settings say so.
+    History,
     /// Blurs the shadow result, if the sun's settings say so.
     Blur,
     /// Hands the result to Bevy's lighting.
@@ -91,7 +97,9 @@ impl Plugin for RenderPlugin {
             extract::ExtractPlugin,
             bridge::BridgePlugin,
             caster::CasterPlugin,
+            depth_range::DepthRangePlugin,
             apply::ApplyPlugin,
+            history::HistoryPlugin,
             blur::BlurPlugin,
             drop_in::DropInPlugin,
             heat_map::HeatMapPlugin,
@@ -100,7 +108,7 @@ impl Plugin for RenderPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        use SunShadowPasses::{Apply, Blur, Bridge, DrawCasters, Plan};
+        use SunShadowPasses::{Apply, Blur, Bridge, DrawCasters, History, Plan};
         render_app
             .add_systems(
                 Render,
@@ -111,7 +119,7 @@ impl Plugin for RenderPlugin {
             )
             .configure_sets(
                 Core3d,
-                (Plan, DrawCasters, Apply, Blur, Bridge)
+                (Plan, DrawCasters, Apply, History, Blur, Bridge)
                     .chain()
                     .after(Core3dSystems::Prepass)
                     .after(per_view_shadow_pass::<LATE_SHADOW_PASS>)

@@ -53,6 +53,8 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "bridge/write_layer.wgsl");
     embed_shader!(registry, "caster/cull_casters.wgsl");
     embed_shader!(registry, "caster/peel.wgsl");
+    embed_shader!(registry, "depth_range/reduce_depths.wgsl");
+    embed_shader!(registry, "history/blend_history.wgsl");
     embed_shader!(registry, "heat_map/texel_ratio.wgsl");
     let server = app.world().resource::<AssetServer>();
     let handles = LIBRARIES.iter().map(|name| load(server, name)).collect();

@@ -5,8 +5,10 @@ use std::ops::RangeInclusive;
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::settings::{
-    Faces, MapResolution, SeamWidth, Seams, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows,
+use super::{
+    measured::MeasuredDepths,
+    settings::{Faces, MapResolution, SeamWidth, Seams, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows},
+    stable::Stability,
 };
 use crate::maths::{split::SplitScheme, warp::Warp};
 
@@ -85,6 +87,24 @@ pub enum Correction {
     /// `blur`.
     #[error("SunShadows::blur: iterations must be 0 to 16 and full_depth more than 0: the nearest, or 10 m, are used")]
     Blur,
+    /// `stable` and `warp`.
+    #[error(
+        "SunShadows::stable: bounding spheres and quantised scales take no warp, because a warped grid cannot be shifted by whole texels: the warp is left out"
+    )]
+    StableWarp,
+    /// `stable` and `partitions`.
+    #[error(
+        "SunShadows::stable: maps that are held need z-partitions of equal resolution, which are the same from frame to frame: nothing is held"
+    )]
+    StablePartitions,
+    /// `stable` and `measured`.
+    #[error(
+        "SunShadows::stable: bounding spheres take no measured depths, which change from frame to frame: they are left out"
+    )]
+    StableMeasured,
+    /// `stable`.
+    #[error("SunShadows::stable: sharp takes 2 to 32 frames: the nearest is used")]
+    StableFrames,
 }
 
 /// Lookups on a disc that can be asked for.
@@ -171,6 +191,26 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
     if is_drop_in && !settings.bias.is_for_drop_in() {
         settings.bias = ShadowBias::default();
         corrections.push(Correction::DropInBias);
+    }
+    let is_of_equal_slices =
+        settings.partitions.faces == Faces::Together && settings.partitions.resolution == MapResolution::Equal;
+    if settings.stable.holds_maps() && !is_of_equal_slices {
+        settings.stable = Stability::Off;
+        corrections.push(Correction::StablePartitions);
+    }
+    if settings.path == ShadowPath::Full && settings.stable.is_uniform() && settings.warp != Warp::Uniform {
+        settings.warp = Warp::Uniform;
+        corrections.push(Correction::StableWarp);
+    }
+    if settings.stable == Stability::Sphere && settings.measured.is_on() {
+        settings.measured = MeasuredDepths::OFF;
+        corrections.push(Correction::StableMeasured);
+    }
+    if let Stability::Sharp { frames } = &mut settings.stable
+        && !Stability::FRAMES.contains(frames)
+    {
+        *frames = (*frames).clamp(*Stability::FRAMES.start(), *Stability::FRAMES.end());
+        corrections.push(Correction::StableFrames);
     }
     let is_size = |value: f32| value.is_finite() && value >= 0.0;
     let mut is_biased_wrongly = false;
@@ -396,6 +436,48 @@ mod tests {
         assert_eq!(
             (right.bias, corrections),
             (ShadowBias::default(), vec![Correction::DropInBias])
+        );
+    }
+
+    #[test]
+    fn stable_maps_take_what_they_can() {
+        for stable in [Stability::Sphere, Stability::Quantised] {
+            let (right, corrections) = checked(&SunShadows {
+                stable,
+                ..SunShadows::HIGH
+            });
+            assert_eq!((right.warp, corrections), (Warp::Uniform, vec![Correction::StableWarp]));
+        }
+        for (frames, nearest) in [(0, 2), (99, 32)] {
+            let (right, corrections) = checked(&SunShadows {
+                stable: Stability::Sharp { frames },
+                ..SunShadows::HIGH
+            });
+            assert_eq!(right.stable, Stability::Sharp { frames: nearest });
+            assert_eq!(corrections, [Correction::StableFrames]);
+        }
+        let measured = MeasuredDepths {
+            near: true,
+            ..MeasuredDepths::OFF
+        };
+        let (right, corrections) = checked(&SunShadows {
+            stable: Stability::Sphere,
+            warp: Warp::Uniform,
+            measured,
+            ..SunShadows::HIGH
+        });
+        assert_eq!(
+            (right.measured, corrections),
+            (MeasuredDepths::OFF, vec![Correction::StableMeasured])
+        );
+        let (right, corrections) = checked(&SunShadows {
+            stable: Stability::Held,
+            measured,
+            ..SunShadows::HIGH
+        });
+        assert_eq!(
+            (right.warp, right.measured, corrections),
+            (Warp::Lispsm, measured, Vec::new())
         );
     }
 

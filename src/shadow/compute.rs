@@ -5,16 +5,19 @@ use bevy::math::{DVec3, Mat4, UVec2, UVec4, Vec3, Vec4Swizzles};
 use super::{
     drop_in, full,
     layout::{AtlasLayout, cells_per_side},
+    measured::DepthPlan,
     parts::{Cutter, Part},
     scene_bounds::SceneBounds,
     settings::{MapResolution, ShadowPath, SunShadows},
+    stable::{HeldMap, Stability, stable_fit},
     views::{CameraSunViews, LightView, PartitionView},
 };
 use crate::maths::{
     body::{adjusted_depths, light_visible},
+    bounds::Bounds,
     error::{LargestErrors, LightSample, largest_errors},
     fit::{FitInput, LightFit, fit_light_view},
-    split::{SplitScheme, pseudo_split_depths},
+    split::{PseudoPlanes, SplitScheme, pseudo_split_depths},
     view::ViewVolume,
 };
 
@@ -29,49 +32,92 @@ pub fn visible_depths(view: &ViewVolume, scene: &SceneBounds) -> Option<(f64, f6
     adjusted_depths(&light_visible(view, &scene.receivers?), view)
 }
 
-/// Split distances for a range of view depth. Orthographic cameras see everything at one scale: they split uniformly,
-/// unless the distances are set by hand.
-pub fn partition_depths(settings: &SunShadows, orthographic: bool, (near, far): (f64, f64)) -> Vec<f64> {
+/// The range of view depths that is split: what a cut leaves of `visible`, the depths between which the camera sees
+/// receivers; for bounding spheres all of the view's own depths, which do not change with what is seen.
+pub fn split_range(view: &ViewVolume, settings: &SunShadows, plan: &DepthPlan, visible: (f64, f64)) -> (f64, f64) {
+    if settings.stable == Stability::Sphere && view.far().is_finite() {
+        return (view.near(), view.far());
+    }
+    let (near, far) = visible;
+    let cut = plan.cut_view(view);
+    let (cut_near, cut_far) = (near.max(cut.near()), far.min(cut.far()));
+    if cut_near < cut_far {
+        (cut_near, cut_far)
+    } else {
+        visible
+    }
+}
+
+/// Split distances for a range of view depth, evaluated between two measured planes of it if some are given, else between
+/// the pseudo planes of the settings. Orthographic cameras see everything at one scale: they split uniformly, unless the
+/// distances are set by hand.
+pub fn partition_depths(
+    settings: &SunShadows,
+    orthographic: bool,
+    (near, far): (f64, f64),
+    measured: Option<PseudoPlanes>,
+) -> Vec<f64> {
     let scheme = match &settings.partitions.scheme {
         manual @ SplitScheme::Manual(_) => manual,
         _ if orthographic => &SplitScheme::Uniform,
         scheme => scheme,
     };
-    let planes = settings.fit.pseudo_planes();
+    let planes = measured.unwrap_or_else(|| settings.fit.pseudo_planes());
     pseudo_split_depths(scheme, near, far, planes, settings.partitions.count as usize)
+}
+
+/// What the frame before leaves to a camera's light views.
+pub struct Memory<'a> {
+    /// Its light views: some choices keep to them so that nothing flickers.
+    pub previous: Option<&'a CameraSunViews>,
+    /// What its maps hold, by slot; brought up to date.
+    pub held: &'a mut Vec<Option<HeldMap>>,
 }
 
 /// The light views of one camera: H and adjusted depths of the whole view, then per part H, B, warp and focus.
 ///
 /// `view` is the part of the view volume that gets shadows, `light_travel` the direction in which light travels,
 /// `settings` must be in range (see [`checked`](super::checked::checked)), and `depths` are the split distances, usually
-/// from [`partition_depths`]. `previous` are the camera's light views of the frame before: some choices keep to them so that
-/// nothing flickers. `None` when there is nothing to shadow: everything is lit.
+/// from [`partition_depths`]. `plan` says what is known of the depths in the picture, `memory` what the frame before leaves.
+/// `None` when there is nothing to shadow: everything is lit.
 pub fn compute_camera_views(
     view: &ViewVolume,
     scene: &SceneBounds,
     light_travel: DVec3,
     settings: &SunShadows,
     depths: &[f64],
-    previous: Option<&CameraSunViews>,
+    plan: &DepthPlan,
+    memory: Memory,
 ) -> Option<CameraSunViews> {
     let (near, far) = visible_depths(view, scene)?;
+    let Memory { previous, held } = memory;
+    let cut_view = plan.cut_view(view);
     let cutter = Cutter {
-        view,
+        view: &cut_view,
+        plan,
         receivers: scene.receivers?,
         scene: scene.scene?,
         light_travel,
         settings,
         depths,
     };
-    let fitter = Fitter { light_travel, settings };
+    let fitter = Fitter {
+        scene: scene.scene?,
+        light_travel,
+        settings,
+    };
     let whole = cutter.whole(near, far);
     let square = UVec2::splat(settings.map_size);
     let master = fitter.fit(&whole, square)?;
     let (parts, face_set) = cutter.parts(previous.and_then(|previous| previous.face_set));
     let layout = fitter.layout(&parts, previous.map(|previous| &previous.layout));
+    held.resize(settings.partitions.maps() as usize, None);
     let partitions = (parts.into_iter().zip(&layout.rects))
-        .map(|(part, rect)| fitter.partition(part, *rect))
+        .map(|(part, rect)| {
+            let mut nothing = None;
+            let held = held.get_mut(part.slot as usize).unwrap_or(&mut nothing);
+            fitter.partition(part, *rect, held)
+        })
         .collect();
     Some(CameraSunViews {
         near_depth: near as f32,
@@ -85,14 +131,15 @@ pub fn compute_camera_views(
 }
 
 struct Fitter<'a> {
+    scene: Bounds,
     light_travel: DVec3,
     settings: &'a SunShadows,
 }
 
 impl Fitter<'_> {
-    fn partition(&self, part: Part, rect: UVec4) -> PartitionView {
+    fn partition(&self, part: Part, rect: UVec4, held: &mut Option<HeldMap>) -> PartitionView {
         let slice = &part.slice;
-        let light_view = match self.fit(&part, rect.zw()) {
+        let light_view = match self.stable_fit(&part, rect.zw(), held) {
             Some(fit) => LightView {
                 caster_depth_bias: self.caster_depth_bias(&fit),
                 ..light_view(&fit, &part, rect)
@@ -113,9 +160,25 @@ impl Fitter<'_> {
         }
     }
 
-    /// The fit of a part, which is missing when the part sees nothing.
+    /// The fresh fit of a part, which is missing when the part sees nothing.
     fn fit(&self, part: &Part, map_size: UVec2) -> Option<LightFit> {
-        let input = FitInput {
+        let input = self.input(part, map_size);
+        match self.settings.path {
+            ShadowPath::Full => fit_light_view(&input).fitted(),
+            ShadowPath::DropIn => drop_in::fit(input, self.settings.bias),
+        }
+    }
+
+    /// The fit of a part that keeps to the frame before as the settings say.
+    fn stable_fit(&self, part: &Part, map_size: UVec2, held: &mut Option<HeldMap>) -> Option<LightFit> {
+        match self.settings.path {
+            ShadowPath::Full => stable_fit(&self.input(part, map_size), self.settings.stable, &self.scene, held),
+            ShadowPath::DropIn => self.fit(part, map_size),
+        }
+    }
+
+    fn input<'a>(&self, part: &'a Part, map_size: UVec2) -> FitInput<'a> {
+        FitInput {
             view: &part.slice,
             visible: &part.visible,
             body: &part.body,
@@ -125,10 +188,6 @@ impl Fitter<'_> {
             guard_texels: GUARD_TEXELS,
             guard_metres: f64::from(self.settings.filter.world_radius()),
             options: part.options,
-        };
-        match self.settings.path {
-            ShadowPath::Full => fit_light_view(&input).fitted(),
-            ShadowPath::DropIn => drop_in::fit(input, self.settings.bias),
         }
     }
 

@@ -18,9 +18,11 @@ pub mod drop_in;
 pub mod full;
 pub mod gizmos;
 pub mod layout;
+pub mod measured;
 mod parts;
 pub mod scene_bounds;
 pub mod settings;
+pub mod stable;
 mod stock;
 mod systems;
 pub mod technique;
@@ -49,6 +51,7 @@ impl Plugin for ShadowPlugin {
     fn build(&self, app: &mut App) {
         let times = timing::SystemTimes::of(app);
         app.register_required_components::<settings::SunShadows, views::SunViews>()
+            .register_required_components::<settings::SunShadows, stable::HeldMaps>()
             .init_resource::<scene_bounds::SceneBounds>()
             .init_resource::<scene_bounds::MeshBounds>()
             .init_resource::<stock::StockMapSize>()

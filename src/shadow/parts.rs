@@ -2,7 +2,10 @@
 
 use bevy::math::DVec3;
 
-use super::settings::{Faces, PartitionSelection, SeamWidth, SunShadows};
+use super::{
+    measured::DepthPlan,
+    settings::{Faces, PartitionSelection, SeamWidth, SunShadows},
+};
 use crate::maths::{
     body::{intersection_body, light_visible},
     bounds::Bounds,
@@ -38,6 +41,8 @@ pub(super) struct Part {
 pub(super) struct Cutter<'a> {
     /// What the camera sees.
     pub(super) view: &'a ViewVolume,
+    /// What is known of the depths in the picture.
+    pub(super) plan: &'a DepthPlan,
     /// Bounds of what receives shadows.
     pub(super) receivers: Bounds,
     /// Bounds of the scene.
@@ -107,8 +112,22 @@ impl Cutter<'_> {
             depths,
             seam,
             warp: self.warp(index),
-            options: self.settings.fit.options(self.light_travel),
+            options: self.options(),
             slot: index as u32,
+        }
+    }
+
+    /// How light views are fitted: as the settings say, and to the depths that the picture has shown.
+    fn options(&self) -> FitOptions {
+        let of_settings = self.settings.fit.options(self.light_travel);
+        FitOptions {
+            pseudo_near: of_settings
+                .pseudo_near
+                .into_iter()
+                .chain(self.plan.near)
+                .reduce(f64::max),
+            visible_far: self.plan.far,
+            ..of_settings
         }
     }
 
@@ -135,7 +154,7 @@ impl Cutter<'_> {
         let visible = light_visible(self.view, &self.receivers);
         let partitions = face_partitions(self.view, &visible, self.light_travel, &options);
         let set = partitions.first().map(|partition| partition.set);
-        let of_settings = self.settings.fit.options(self.light_travel);
+        let of_settings = self.options();
         let parts = partitions.into_iter().map(|partition| {
             let side = match partition.face {
                 FrustumFace::All | FrustumFace::Bottom => 0,

@@ -9,6 +9,7 @@ use super::{
     checked::checked,
     drop_in, full,
     settings::{ShadowPath, SunShadows},
+    stable::HeldMaps,
     views::SunViews,
 };
 
@@ -57,7 +58,7 @@ pub(super) fn restore_stock_settings(
     }
     commands
         .entity(removed.entity)
-        .try_remove::<(StockSettings, SunViews)>();
+        .try_remove::<(StockSettings, SunViews, HeldMaps)>();
 }
 
 /// Sets the biases that a light's path needs: the drop-in path replaces Bevy's, the full path leaves them alone.

@@ -1,16 +1,19 @@
 //! The systems that run [`compute_camera_views`] for every sun and camera, and hand the result to Bevy's cascades.
 
 use bevy::{
+    ecs::query::QueryData,
     light::{CascadeShadowConfig, Cascades},
     prelude::*,
 };
 
 use super::{
     checked::{Correction, checked, warn_of},
-    compute::{compute_camera_views, partition_depths, visible_depths},
+    compute::{Memory, compute_camera_views, partition_depths, split_range, visible_depths},
     drop_in, full,
+    measured::{DepthPlan, KnownDepths, MeasuredView, VisibleDepthRange, known_depths},
     scene_bounds::SceneBounds,
     settings::{ShadowPath, SunShadows, WithoutSunShadows},
+    stable::HeldMaps,
     stock::{StockSettings, set_biases},
     view_volume::{shadowed_part, view_volume, wide},
     views::SunViews,
@@ -22,56 +25,123 @@ use crate::maths::view::ViewVolume;
 /// On the drop-in path all cameras share their split distances, because Bevy keeps one list per light: the range of
 /// depths is then the union of what they see.
 pub(super) fn update_sun_views(
-    cameras: Query<(Entity, &Camera, &Projection, &GlobalTransform), (With<Camera3d>, Without<WithoutSunShadows>)>,
-    mut lights: Query<(&DirectionalLight, &GlobalTransform, &SunShadows, &mut SunViews)>,
+    cameras: Query<CameraOfSuns, (With<Camera3d>, Without<WithoutSunShadows>)>,
+    mut lights: Query<(
+        &DirectionalLight,
+        &GlobalTransform,
+        &SunShadows,
+        &mut SunViews,
+        &mut HeldMaps,
+    )>,
     scene: Res<SceneBounds>,
+    time: Res<Time>,
     mut known: Local<Vec<Correction>>,
 ) {
-    let view_volumes: Vec<(Entity, ViewVolume)> = cameras
+    let seconds = time.elapsed_secs_f64();
+    let viewers: Vec<Viewer> = cameras
         .iter()
-        .filter(|(_, camera, ..)| camera.is_active)
-        .filter_map(
-            |(entity, _, projection, transform)| match view_volume(projection, transform) {
-                Ok(view) => Some((entity, view)),
-                Err(error) => {
-                    warn_once!("a camera gets no sun shadows: {error}");
-                    None
-                }
-            },
-        )
+        .filter(|camera| camera.camera.is_active)
+        .filter_map(|camera| match view_volume(camera.projection, camera.transform) {
+            Ok(view) => Some(Viewer {
+                entity: camera.entity,
+                depths: camera.measured_depths(&view, seconds),
+                view,
+            }),
+            Err(error) => {
+                warn_once!("a camera gets no sun shadows: {error}");
+                None
+            }
+        })
         .collect();
-    for (light, transform, settings, mut views) in &mut lights {
+    for (light, transform, settings, mut views, mut held) in &mut lights {
         let before = std::mem::take(&mut views.cameras);
         if !light.shadow_maps_enabled {
+            held.cameras.clear();
             continue;
         }
         let (settings, corrections) = checked(settings);
         warn_of(corrections, &mut known);
-        let seen: Vec<(Entity, ViewVolume, (f64, f64))> = view_volumes
+        let seen: Vec<Seen> = viewers
             .iter()
-            .filter_map(|(entity, view)| {
-                let view = shadowed_part(view, settings.near, settings.distance)?;
-                let range = visible_depths(&view, &scene)?;
-                Some((*entity, view, range))
+            .filter_map(|viewer| {
+                let view = shadowed_part(&viewer.view, settings.near, settings.distance)?;
+                let plan = DepthPlan::new(settings.measured, viewer.depths);
+                let range = split_range(&view, &settings, &plan, visible_depths(&view, &scene)?);
+                Some(Seen {
+                    camera: viewer.entity,
+                    view,
+                    plan,
+                    range,
+                })
             })
             .collect();
         let common = seen
             .iter()
-            .map(|(.., range)| *range)
+            .map(|seen| seen.range)
             .reduce(|(near, far), (other_near, other_far)| (near.min(other_near), far.max(other_far)));
-        let all_orthographic = seen.iter().all(|(_, view, _)| view.is_orthographic());
-        for (entity, view, range) in &seen {
+        let all_orthographic = seen.iter().all(|seen| seen.view.is_orthographic());
+        held.cameras
+            .retain(|camera, _| seen.iter().any(|seen| seen.camera == *camera));
+        for Seen {
+            camera,
+            view,
+            plan,
+            range,
+        } in &seen
+        {
             let depths = match (settings.path, common) {
-                (ShadowPath::DropIn, Some(common)) => partition_depths(&settings, all_orthographic, common),
-                _ => partition_depths(&settings, view.is_orthographic(), *range),
+                (ShadowPath::DropIn, Some(common)) => partition_depths(&settings, all_orthographic, common, None),
+                _ => partition_depths(&settings, view.is_orthographic(), *range, plan.splits),
             };
             let light_travel = wide(transform.forward());
-            let previous = before.get(entity);
-            if let Some(camera_views) = compute_camera_views(view, &scene, light_travel, &settings, &depths, previous) {
-                views.cameras.insert(*entity, camera_views);
+            let memory = Memory {
+                previous: before.get(camera),
+                held: held.cameras.entry(*camera).or_default(),
+            };
+            let camera_views = compute_camera_views(view, &scene, light_travel, &settings, &depths, plan, memory);
+            if let Some(camera_views) = camera_views {
+                views.cameras.insert(*camera, camera_views);
             }
         }
     }
+}
+
+/// What the light views of a camera depend on.
+#[derive(QueryData)]
+pub(super) struct CameraOfSuns {
+    entity: Entity,
+    camera: &'static Camera,
+    projection: &'static Projection,
+    transform: &'static GlobalTransform,
+    measured: Option<&'static VisibleDepthRange>,
+}
+
+impl CameraOfSunsItem<'_, '_> {
+    fn measured_depths(&self, view: &ViewVolume, seconds: f64) -> KnownDepths {
+        let now = MeasuredView {
+            world_from_view: *self.transform,
+            clip_from_view: self.camera.clip_from_view(),
+            seconds,
+        };
+        self.measured
+            .map_or(KnownDepths::Unknown, |measured| known_depths(measured, view, &now))
+    }
+}
+
+/// A camera that could have sun shadows.
+struct Viewer {
+    entity: Entity,
+    view: ViewVolume,
+    depths: KnownDepths,
+}
+
+/// A camera that sees something to shadow.
+struct Seen {
+    camera: Entity,
+    view: ViewVolume,
+    plan: DepthPlan,
+    /// What is split.
+    range: (f64, f64),
 }
 
 /// Overwrites the cascades that Bevy has just built with those of the light's path.

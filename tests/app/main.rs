@@ -2,6 +2,7 @@
 
 mod bounds;
 mod cascades;
+mod depths;
 mod partitions;
 mod support;
 mod views;

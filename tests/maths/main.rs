@@ -2,6 +2,7 @@
 
 mod analysis;
 mod axes;
+mod blend_history;
 mod body;
 mod closed_forms;
 mod cull;

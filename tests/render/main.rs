@@ -1,6 +1,7 @@
 //! Render tests: headless, on whatever Vulkan driver there is. Without one they fail and name the package to install.
 
 mod blur;
+mod depth_range;
 mod guard;
 mod harness;
 mod heat_map;
@@ -12,4 +13,5 @@ mod partitions;
 mod reference;
 mod softness;
 mod stability;
+mod stable_maps;
 mod truth;

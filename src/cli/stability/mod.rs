@@ -1,7 +1,7 @@
 //! `umbrage judge --along`: how much shadow masks crawl while one thing moves.
 //!
-//! A shot becomes a sequence of frames at a fixed step ([`along`]). Every frame is drawn once, as in a game, and its
-//! mask is compared with the one before ([`stability`]). Truth is traced for every frame of the first technique and
+//! A shot becomes a sequence of frames at a fixed step ([`along`]). Every frame is drawn once, as in a game (twice for
+//! techniques that measure their own picture first), and its mask is compared with the one before ([`stability`]). Truth is traced for every frame of the first technique and
 //! serves all of them.
 //!
 //! # Limits
@@ -183,6 +183,7 @@ impl Measurement<'_> {
     /// One technique.
     fn measure(&mut self, session: &mut Session, technique: &NamedTechnique) -> Result<Sequence, Failure> {
         let mut sequence = Sequence::default();
+        let is_drawn_twice = technique.technique.measures_its_own_picture();
         let mut before: Option<Texels> = None;
         for (index, frame) in self.frames.iter().enumerate() {
             self.stage.aim(&mut session.app, frame);
@@ -190,6 +191,9 @@ impl Measurement<'_> {
                 self.stage.apply(&mut session.app, &technique.technique);
                 self.settled(&mut session.app)?
             } else {
+                if is_drawn_twice {
+                    headless::frame(&mut session.app);
+                }
                 headless::frame(&mut session.app);
                 self.read(&session.app)?
             };

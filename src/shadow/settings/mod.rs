@@ -10,6 +10,7 @@ pub use seams::{SeamWidth, Seams};
 
 use bevy::{light::DirectionalLight, prelude::*};
 
+use super::{measured::MeasuredDepths, stable::Stability};
 use crate::maths::warp::Warp;
 
 /// Sharp sun shadows for a [`DirectionalLight`]: add it to the light's entity.
@@ -48,6 +49,10 @@ pub struct SunShadows {
     /// View depth from which shadows are computed, in metres. `None`: the camera's near plane, moved to the nearest
     /// point of the scene's bounds. A larger value sharpens; surfaces nearer than it have no guarantee.
     pub near: Option<f32>,
+    /// Which planes come from the depths that the picture shows. Means nothing on the drop-in path.
+    pub measured: MeasuredDepths,
+    /// How shadows are kept from crawling. Means nothing on the drop-in path, where every frame is fitted anew.
+    pub stable: Stability,
     /// Draws Bevy's own fallback map on the full path, in frames in which the camera sees a transparent surface: such
     /// surfaces read it. Costs one more map of [`DirectionalLightShadowMap`](bevy::light::DirectionalLightShadowMap)
     /// size.
@@ -291,6 +296,8 @@ impl SunShadows {
             blur: ShadowBlur::NONE,
             distance: None,
             near: None,
+            measured: MeasuredDepths::OFF,
+            stable: Stability::Off,
             fallback_map: true,
         }
     }

@@ -49,10 +49,12 @@ mod tests {
             warp::{OptimumRule, Warp},
         },
         shadow::{
+            measured::{MeasureUse, MeasuredDepths},
             settings::{
                 Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams, ShadowBias,
                 ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, WarpDirection,
             },
+            stable::Stability,
             technique::StockBias,
         },
     };
@@ -148,17 +150,43 @@ mod tests {
                 any_seams(),
             ),
             [distance, near] in [prop::option::of(0.001f32..1e6), prop::option::of(0.001f32..1e6)],
-            fallback_map in any::<bool>(),
-            count in Just(count),
+            (fallback_map, far, near_is_measured, splits, is_same) in any::<(bool, bool, bool, bool, bool)>(),
+            (count, stable) in (
+                Just(count),
+                prop_oneof![
+                    Just(Stability::Off),
+                    Just(Stability::Held),
+                    Just(Stability::Quantised),
+                    Just(Stability::Sphere),
+                    Stability::FRAMES.prop_map(|frames| Stability::Sharp { frames }),
+                ],
+            ),
         ) -> SunShadows {
             let has_faces = faces && count <= SunShadows::MAX_FACE_SLICES && path == ShadowPath::Full;
             let faces = if has_faces { Faces::Apart { near_map: near_map && count < 4 } } else { Faces::Together };
-            let warp = if fit.align { warp } else { Warp::Uniform };
+            let stable = if has_faces && stable.holds_maps() { Stability::Off } else { stable };
+            let resolution = if stable.holds_maps() { MapResolution::Equal } else { resolution };
+            let warp = if fit.align && !stable.is_uniform() { warp } else { Warp::Uniform };
             let etas = if matches!(warp, Warp::Free { .. }) { etas.unwrap_or_default() } else { Vec::new() };
             let selection = if has_faces { SunShadows::HIGH.selection } else { selection };
+            let mut measured = MeasuredDepths {
+                near: near_is_measured,
+                far,
+                // Splits by hand have the same key.
+                splits: splits && !matches!(scheme, SplitScheme::Manual(_)),
+                measure: MeasureUse::Late,
+            };
+            if stable == Stability::Sphere {
+                measured = MeasuredDepths::OFF;
+            }
+            if measured.is_on() && is_same {
+                measured.measure = MeasureUse::Same;
+            }
+            // `near=` says one or the other.
+            let near = near.filter(|_| !measured.near);
             let partitions = Partitions { count, scheme, faces, etas, resolution };
             let full = SunShadows {
-                path, partitions, warp, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, fallback_map,
+                path, partitions, warp, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, measured, stable, fallback_map,
             };
             match path {
                 ShadowPath::Full => full,
@@ -179,6 +207,8 @@ mod tests {
                     store: SunShadows::HIGH.store,
                     blur: SunShadows::HIGH.blur,
                     fallback_map: SunShadows::HIGH.fallback_map,
+                    measured: SunShadows::HIGH.measured,
+                    stable: SunShadows::HIGH.stable,
                     ..full
                 },
             }

@@ -1,4 +1,4 @@
-//! Keys of the fit: the range of depths and the strength of the warp; and their text.
+//! Keys of the fit: the distance and the strength of the warp; and their text.
 
 use super::{
     error::TechniqueError,
@@ -14,7 +14,6 @@ use crate::{
 
 pub(super) const TOPIC: Topic = Topic {
     keys: &[
-        Key::new("near", "auto|metres > 0"),
         Key::new("distance", "auto|metres > 0"),
         Key::new("eta", "-1..=1, for the warp free"),
         Key::new("focus", "0..=1, share of the range in focus, for the warp tsm"),
@@ -42,9 +41,6 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
         return Err(TechniqueError::together(
             "`path=dropin` takes no warp stronger than lispsm: Bevy's bias cannot follow its texels",
         ));
-    }
-    if let Some(near) = pairs.read("near", auto_or_metres)? {
-        settings.near = near;
     }
     if let Some(distance) = pairs.read("distance", auto_or_metres)? {
         settings.distance = distance;
@@ -124,9 +120,6 @@ fn warp_of(warp: Warp, pairs: &Pairs) -> Result<Warp, TechniqueError> {
 
 fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     let mut pairs = Vec::new();
-    if settings.near != default.near {
-        pairs.push(format!("near={}", auto_text(settings.near)));
-    }
     if settings.distance != default.distance {
         pairs.push(format!("distance={}", auto_text(settings.distance)));
     }

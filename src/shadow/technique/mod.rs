@@ -20,11 +20,13 @@ mod display;
 mod error;
 mod fit_keys;
 mod lookup_keys;
+mod measured_keys;
 mod pairs;
 mod parse;
 mod partition_keys;
 mod path_keys;
 mod seam_keys;
+mod stable_keys;
 mod stock_keys;
 mod warps;
 
@@ -34,7 +36,9 @@ use bevy::{light::CascadeShadowConfig, prelude::*};
 
 use super::{
     layout::cells_per_side,
+    measured::MeasureUse,
     settings::{Faces, MapResolution, SunShadows},
+    stable::HeldMaps,
     views::SunViews,
 };
 use crate::maths::warp::Warp;
@@ -195,6 +199,15 @@ impl Technique {
         format!("{maps} {size}, {warp}")
     }
 
+    /// Whether a frame must be drawn twice to be what the technique means: once to measure its depths, once to use them.
+    #[must_use]
+    pub fn measures_its_own_picture(&self) -> bool {
+        match self {
+            Self::Bevy(_) => false,
+            Self::Umbrage(settings) => settings.measured.is_on() && settings.measured.measure == MeasureUse::Same,
+        }
+    }
+
     /// Makes this the technique of a sun: call it with the entity of the
     /// [`DirectionalLight`].
     ///
@@ -203,7 +216,7 @@ impl Technique {
     pub fn apply(&self, sun: &mut EntityCommands) {
         match *self {
             Self::Bevy(bias) => {
-                sun.remove::<(SunShadows, SunViews)>()
+                sun.remove::<(SunShadows, SunViews, HeldMaps)>()
                     .insert(CascadeShadowConfig::default())
                     .queue(move |mut sun: EntityWorldMut| bias.write(&mut sun));
             }

@@ -1,6 +1,9 @@
 //! Keys with their values: the topics that own them, and how they are read.
 
-use super::{base::BASES, error::TechniqueError, fit_keys, lookup_keys, path_keys, seam_keys, stock_keys};
+use super::{
+    base::BASES, error::TechniqueError, fit_keys, lookup_keys, measured_keys, path_keys, seam_keys, stable_keys,
+    stock_keys,
+};
 use crate::shadow::settings::SunShadows;
 
 /// One key.
@@ -45,7 +48,13 @@ pub(super) struct Topic {
 
 /// The topics of every base but `bevy`; the keys of its own topics come after the first.
 pub(super) fn topics(own: &'static [&'static Topic]) -> impl Iterator<Item = &'static Topic> {
-    let after: [&'static Topic; 3] = [&seam_keys::TOPIC, &lookup_keys::TOPIC, &fit_keys::TOPIC];
+    let after: [&'static Topic; 5] = [
+        &seam_keys::TOPIC,
+        &lookup_keys::TOPIC,
+        &fit_keys::TOPIC,
+        &measured_keys::TOPIC,
+        &stable_keys::TOPIC,
+    ];
     std::iter::once(&path_keys::TOPIC)
         .chain(own.iter().copied())
         .chain(after)

@@ -69,10 +69,12 @@ mod tests {
             warp::{OptimumRule, Warp},
         },
         shadow::{
+            measured::{MeasureUse, MeasuredDepths},
             settings::{
                 Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, ShadowBias, ShadowBlur,
                 ShadowFilter, ShadowPath, ShadowStore, WarpDirection,
             },
+            stable::Stability,
             technique::StockBias,
         },
     };
@@ -115,7 +117,7 @@ mod tests {
     #[test]
     fn keys_reach_their_settings() {
         let all = settings(
-            "zp3+free:path=full,size=500,splits=10/30.5,select=depth,filter=hard,bias_m=0.2,near=1.5,distance=300,eta=-0.25,fallback=off",
+            "zp3+free:path=full,size=500,splits=10/30.5,select=depth,filter=hard,bias_m=0.2,near=1.5,far=auto,stable=sharp,frames=8,distance=300,eta=-0.25,fallback=off",
         );
         let expected = SunShadows {
             path: ShadowPath::Full,
@@ -132,6 +134,11 @@ mod tests {
             blur: ShadowBlur::NONE,
             distance: Some(300.0),
             near: Some(1.5),
+            measured: MeasuredDepths {
+                far: true,
+                ..MeasuredDepths::OFF
+            },
+            stable: Stability::Sharp { frames: 8 },
             fallback_map: false,
             ..SunShadows::HIGH
         };
@@ -142,8 +149,27 @@ mod tests {
             settings("zp4:lambda=0.3").partitions.scheme,
             SplitScheme::Practical { lambda: 0.3 }
         );
+        let measured = |text: &str| settings(text).measured;
+        let near = MeasuredDepths {
+            near: true,
+            ..MeasuredDepths::OFF
+        };
+        assert_eq!(measured("zp4:near=auto"), near);
+        let same = MeasuredDepths {
+            splits: true,
+            measure: MeasureUse::Same,
+            ..near
+        };
+        assert_eq!(measured("zp4:near=auto,splits=visible,measure=same"), same);
+        assert_eq!(
+            settings("zp4:split=log,splits=visible").partitions.scheme,
+            SplitScheme::Logarithmic
+        );
         assert_eq!(settings("zp4:bias=none").bias, ShadowBias::None);
-        assert_eq!(settings("zp4:near=auto,distance=auto"), settings("zp4"));
+        assert_eq!(
+            settings("zp4:near=bounds,far=bounds,distance=auto,stable=off"),
+            settings("zp4")
+        );
         assert_eq!(settings("zp4:split=self"), settings("zp4:split=log"));
         let fit = settings(
             "zp2+free:etas=0/-0.5,center=vertex,axis=middle,optimum=demo,pseudo_near=2,pseudo_far=90,guard=off",
@@ -276,7 +302,25 @@ mod tests {
             ("zp4:blur=17", &["`blur=17`", "0..=16"]),
             ("zp4:blur_depth=0", &["`blur_depth=0`"]),
             ("zp4:store=linear", &["`store=linear`", "midpoint"]),
-            ("zp4:near=-1", &["auto|metres"]),
+            ("zp4:near=-1", &["bounds|auto|metres"]),
+            ("zp4:far=100", &["bounds|auto"]),
+            ("zp4:path=dropin,near=auto", &["`path=dropin`", "near=auto"]),
+            ("zp4:path=dropin,splits=visible", &["`path=dropin`", "splits=visible"]),
+            ("zp4:split=manual,splits=visible", &["`splits=` with 3"]),
+            ("zp4:measure=same", &["near=auto"]),
+            ("zp4:measure=soon,near=auto", &["late|same"]),
+            ("zp4+lispsm:stable=sphere", &["`stable=sphere`", "no warp"]),
+            ("lispsm:stable=quantised", &["`stable=quantised`", "no warp"]),
+            ("zp4:stable=sphere,near=auto", &["no measured depths"]),
+            ("fp:stable=held", &["`stable=held`", "z-partitions"]),
+            (
+                "zp4:stable=sphere,resolution=balanced",
+                &["`stable=sphere`", "resolution=equal"],
+            ),
+            ("zp4:stable=still", &["off|sphere|quantised|held|sharp"]),
+            ("zp4:frames=8", &["stable=sharp"]),
+            ("zp4:stable=sharp,frames=33", &["`frames=33`", "2..=32"]),
+            ("zp4:path=dropin,stable=held", &["`stable=`", "path=dropin"]),
         ] {
             let message = error(text);
             for part in parts {

@@ -13,7 +13,10 @@ pub(super) const TOPIC: Topic = Topic {
     keys: &[
         Key::new("split", "log|self|practical|uniform|manual; self is log"),
         Key::new("lambda", "0..=1, for split=practical"),
-        Key::new("splits", "ascending metres, e.g. 10/30/80, for split=manual"),
+        Key::new(
+            "splits",
+            "ascending metres, e.g. 10/30/80, for split=manual; or visible: between the depths in the picture",
+        ),
         Key::new("etas", "a strength -1..=1 per slice, e.g. 0/-0.5/-1, for the warp free"),
         Key::full("resolution", "equal|balanced: how texels are divided among maps"),
         Key::full("select", "depth|best"),
@@ -25,6 +28,9 @@ pub(super) const TOPIC: Topic = Topic {
 fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
     let partitions = &mut settings.partitions;
     partitions.scheme = scheme_of(partitions.count, partitions.scheme.clone(), pairs)?;
+    if let Some(is_visible) = pairs.read("splits", |text| Some(text == VISIBLE))? {
+        settings.measured.splits = is_visible;
+    }
     if let Some(etas) = pairs.read("etas", strengths)? {
         if !matches!(settings.warp, Warp::Free { .. }) {
             return Err(TechniqueError::together("`etas=` belongs to the warp `free`"));
@@ -59,10 +65,16 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     Ok(())
 }
 
-/// Ascending lengths between slashes.
-fn split_list(text: &str) -> Option<Vec<f32>> {
+/// `splits=` for splits of any scheme between the depths that the picture shows.
+const VISIBLE: &str = "visible";
+
+/// Ascending lengths between slashes, or nothing for [`VISIBLE`].
+fn split_list(text: &str) -> Option<Option<Vec<f32>>> {
+    if text == VISIBLE {
+        return Some(None);
+    }
     let splits: Vec<f32> = text.split('/').map(metres).collect::<Option<_>>()?;
-    splits.is_sorted_by(|a, b| a < b).then_some(splits)
+    splits.is_sorted_by(|a, b| a < b).then_some(Some(splits))
 }
 
 /// Strengths of warps between slashes.
@@ -87,7 +99,7 @@ fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitSch
         _ => None,
     })?;
     let lambda = pairs.read("lambda", |text| number(text, 0.0..=1.0))?;
-    let splits = pairs.read("splits", split_list)?;
+    let splits = pairs.read("splits", split_list)?.flatten();
     let kind = kind
         .or(lambda.map(|_| Kind::Practical))
         .or(splits.as_ref().map(|_| Kind::Manual));
@@ -129,6 +141,9 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
                 format!("splits={}", splits.join("/"))
             }
         });
+    }
+    if settings.measured.splits && !default.measured.splits {
+        pairs.push(format!("splits={VISIBLE}"));
     }
     if settings.partitions.etas != default.partitions.etas {
         let etas: Vec<_> = settings.partitions.etas.iter().map(ToString::to_string).collect();
