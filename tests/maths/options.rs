@@ -5,7 +5,7 @@ use umbrage::maths::{
     bounds::Bounds,
     fit::{Fit, FitInput, FitOptions, LightFit, ProjectionCenter, Unfit, WarpAxis, fit_light_view},
     view::ViewVolume,
-    warp::{OptimumRule, Warp, WarpSpan, frustum_extent},
+    warp::{GuardNorm, OptimumRule, Warp, WarpSpan, frustum_extent},
 };
 
 use crate::support::{bodies, close, errors, fit_with, light_at, papers_camera, roomy_scene};
@@ -19,6 +19,7 @@ const UNGUARDED: FitOptions = FitOptions {
     axis: WarpAxis::View,
     face_start: None,
     guard: false,
+    guard_norm: GuardNorm::Storage,
 };
 
 fn warped(far: f64, light: DVec3, options: FitOptions) -> (ViewVolume, LightFit) {

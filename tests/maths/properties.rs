@@ -10,7 +10,7 @@ use umbrage::maths::{
     polytope::{HalfSpace, Polytope, PolytopeState},
     split::{SplitScheme, split_depths},
     view::ViewVolume,
-    warp::{OptimumRule, Warp},
+    warp::{GuardNorm, OptimumRule, Warp},
 };
 
 use crate::{
@@ -79,9 +79,10 @@ fn options() -> impl Strategy<Value = FitOptions> {
             direction().prop_map(WarpAxis::Direction)
         ],
         any::<bool>(),
+        prop_oneof![Just(GuardNorm::Storage), Just(GuardNorm::Largest)],
     )
         .prop_map(
-            |(center, optimum, [pseudo_near, pseudo_far, visible_far], axis, guard)| FitOptions {
+            |(center, optimum, [pseudo_near, pseudo_far, visible_far], axis, guard, guard_norm)| FitOptions {
                 center,
                 optimum,
                 pseudo_near,
@@ -89,6 +90,7 @@ fn options() -> impl Strategy<Value = FitOptions> {
                 visible_far,
                 axis,
                 guard,
+                guard_norm,
                 ..FitOptions::default()
             },
         )

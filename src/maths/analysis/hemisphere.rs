@@ -90,6 +90,35 @@ impl StorageHemisphere {
     }
 }
 
+impl StorageHemisphere {
+    /// Mean of the largest error √S̄ over all suns, each direction counted with its share of the sky: the error on both axes
+    /// of maps that have as many texels in all as the picture has pixels (Lloyd, section 4.2); with r times as many it is
+    /// √r times smaller.
+    ///
+    /// For a square picture of 60°, 18 rings of 36 directions:
+    ///
+    /// | f ÷ n | uniform | W | FP+W | ZP4+W |
+    /// |---|---|---|---|---|
+    /// | 10 | 11.2 | 5.59 | 4.23 | 3.34 |
+    /// | 100 | 114 | 28.2 | 13.5 | 5.25 |
+    /// | 1000 | 1144 | 216 | 42.8 | 7.72 |
+    /// | 10 000 | 11 446 | 2218 | 135 | 11.2 |
+    pub fn mean_error(&self) -> f64 {
+        let half_step = 0.5 * FRAC_PI_2 / self.rings as f64;
+        let share = |ring: usize| {
+            let polar = FRAC_PI_2 * ring as f64 / self.rings as f64;
+            let [upper, lower] = [polar - half_step, polar + half_step].map(|angle| angle.clamp(0.0, FRAC_PI_2).cos());
+            (upper - lower) / if ring == 0 { 1.0 } else { self.sectors as f64 }
+        };
+        let rings = (0..=self.rings).map(|ring| {
+            let count = if ring == 0 { 1 } else { self.sectors };
+            let errors = (0..count).map(|sector| self.value(ring, sector).sqrt());
+            share(ring) * errors.sum::<f64>()
+        });
+        rings.sum()
+    }
+}
+
 fn direction(ring: usize, rings: usize, sector: usize, sectors: usize) -> LightDirection {
     LightDirection {
         polar: FRAC_PI_2 * ring as f64 / rings as f64,

@@ -6,6 +6,7 @@
 //! | how large is it at worst, and what would it take to remove it? | [`overhead::OverheadRange::largest_errors`], S̄ |
 //! | how many maps are worth it? | [`storage`](super::storage): closed forms overhead and along the view |
 //! | what about other light directions? | [`direction`]: any direction, faces, slices, by evaluation at vertices |
+//! | how typical is the largest error? | [`means`]: L1 and L2 over the frustum |
 //! | which direction is the worst? | [`hemisphere`]: maps over all directions, their mean and their peak |
 //!
 //! Limits. Only perspective aliasing counts ([`super::error`]). The closed forms hold for light from straight above and
@@ -18,4 +19,5 @@
 pub mod direction;
 pub mod faces;
 pub mod hemisphere;
+pub mod means;
 pub mod overhead;

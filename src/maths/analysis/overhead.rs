@@ -86,6 +86,11 @@ impl OverheadRange {
         self.far
     }
 
+    /// 2 tan Θ.
+    pub fn opening(&self) -> f64 {
+        self.opening
+    }
+
     /// α = f ÷ n.
     pub fn depth_ratio(&self) -> f64 {
         self.far / self.near

@@ -6,9 +6,9 @@ use super::{FitInput, FitOptions, LightAxes, WarpAxis};
 use crate::maths::{
     bounds::Bounds,
     error::LightSample,
-    polytope::Polytope,
+    polytope::{HalfSpace, Polytope},
     view::ViewVolume,
-    warp::{Warp, WarpSpan, guarded_eta},
+    warp::{Warp, WarpSpan, guarded_eta_by},
 };
 
 /// H and B in light space, relative to its origin.
@@ -73,11 +73,16 @@ impl Bodies {
             }
         };
         let eta = if input.options.guard {
-            let samples = self.samples(input, axes, near_depth);
+            let fitted = self.samples(input.visible, input, axes, near_depth);
+            let judged = match levelled_part(input) {
+                Some(part) => &self.samples(&part, input, axes, near_depth),
+                None => &fitted,
+            };
+            let guarded = |target| guarded_eta_by(input.options.guard_norm, target, &fitted, judged, &span);
             match input.warp {
                 // It fades by itself: the guard is a ceiling only.
-                Warp::Repar => guarded_eta(0.0, &samples, &span).min(target),
-                _ => guarded_eta(target, &samples, &span),
+                Warp::Repar => guarded(0.0).min(target),
+                _ => guarded(target),
             }
         } else {
             target
@@ -112,8 +117,8 @@ impl Bodies {
         span.levelled_between(pseudo_near * scale, pseudo_far * scale)
     }
 
-    fn samples(&self, input: &FitInput, axes: &LightAxes, near_depth: f64) -> Vec<LightSample> {
-        let vertices = input.visible.vertices().iter();
+    fn samples(&self, part: &Polytope, input: &FitInput, axes: &LightAxes, near_depth: f64) -> Vec<LightSample> {
+        let vertices = part.vertices().iter();
         vertices
             .map(|vertex| LightSample {
                 across: axes.x.dot(*vertex) - self.center.x,
@@ -122,6 +127,22 @@ impl Bodies {
             })
             .collect()
     }
+}
+
+/// The part of H between the pseudo planes; `None` where that is all of it, or nothing.
+fn levelled_part(input: &FitInput) -> Option<Polytope> {
+    let view = input.view;
+    let (near, far) = input.options.levelled_depths();
+    let place = |depth: f64| view.eye() + view.forward() * depth;
+    let mut part = None;
+    for (depth, normal) in [(near, -view.forward()), (far, view.forward())] {
+        let half_space = HalfSpace::through(place(depth), normal);
+        let mut vertices = input.visible.vertices().iter();
+        if depth.is_finite() && vertices.any(|vertex| half_space.excess(*vertex) > 0.0) {
+            part = Some(part.unwrap_or_else(|| input.visible.clone()).clip(&half_space));
+        }
+    }
+    part.filter(|part| !part.is_empty())
 }
 
 /// γ, folded to at most a right angle, and Θ: how far the view opens from its axis towards the light (or away from it),

@@ -2,7 +2,7 @@
 
 use bevy_math::DVec3;
 
-use crate::maths::warp::OptimumRule;
+use crate::maths::warp::{GuardNorm, OptimumRule};
 
 /// Variants of [`fit_light_view`](super::fit_light_view). The default is best for almost everything; the others are the
 /// papers' own, to compare.
@@ -30,6 +30,8 @@ pub struct FitOptions {
     /// Whether [`guarded_eta`](crate::maths::warp::guarded_eta) weakens the warp where light from inside the view cone
     /// makes it harmful. Without it the papers' parameters are used as they stand.
     pub guard: bool,
+    /// What the guard keeps small. What lies in front of the pseudo-near plane or behind the pseudo-far one does not count.
+    pub guard_norm: GuardNorm,
 }
 
 impl Default for FitOptions {
@@ -43,6 +45,7 @@ impl Default for FitOptions {
             axis: WarpAxis::View,
             face_start: None,
             guard: true,
+            guard_norm: GuardNorm::Storage,
         }
     }
 }

@@ -1,12 +1,32 @@
 //! [`guarded_eta`]: warps where the light comes from inside the view cone.
 
 use super::{
-    super::error::{LightSample, largest_errors},
+    super::error::{FittedMap, LargestErrors, LightSample, largest_errors_at},
     span::WarpSpan,
 };
 
-/// How much larger than the smallest storage factor that of plain `LiSPSM` may be before the guard weakens the warp.
+/// How much larger than the smallest cost that of plain `LiSPSM` may be before the guard weakens the warp.
 const GUARD_TOLERANCE: f64 = 0.02;
+
+/// What the guard keeps small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GuardNorm {
+    /// The storage factor S̄ = M_x · M_z: right where a map can take any shape, so that the error of one axis can be traded
+    /// for that of the other (Lloyd, section 4.2).
+    #[default]
+    Storage,
+    /// The larger of M_x and M_z: right where the map is a square whatever the errors are, as Bevy's cascades.
+    Largest,
+}
+
+impl GuardNorm {
+    fn cost(self, errors: &LargestErrors) -> f64 {
+        match self {
+            Self::Storage => errors.storage_factor(),
+            Self::Largest => errors.across.max(errors.along),
+        }
+    }
+}
 
 /// The strength that is left of `target` where the light comes from inside the view cone (Lloyd, section 4.4).
 ///
@@ -16,10 +36,25 @@ const GUARD_TOLERANCE: f64 = 0.02;
 /// the unwarped one by more than a fiftieth; and since S̄ has one valley over eta, the choice moves steadily with camera
 /// and light instead of popping. Other targets are weakened in proportion: `(1 + target) · (1 + eta) − 1`.
 pub fn guarded_eta(target: f64, samples: &[LightSample], span: &WarpSpan) -> f64 {
-    if target <= -1.0 || samples.is_empty() {
+    guarded_eta_by(GuardNorm::Storage, target, samples, samples, span)
+}
+
+/// [`guarded_eta`] by another norm, over a part of what is in the map: `fitted` are the samples that the map is fitted
+/// around, `judged` those whose errors count.
+pub fn guarded_eta_by(
+    norm: GuardNorm,
+    target: f64,
+    fitted: &[LightSample],
+    judged: &[LightSample],
+    span: &WarpSpan,
+) -> f64 {
+    if target <= -1.0 || fitted.is_empty() || judged.is_empty() {
         return -1.0;
     }
-    let cost = |eta: f64| largest_errors(samples, span.warp_near(eta), 1.0).storage_factor();
+    let cost = |eta: f64| {
+        let map = FittedMap::around(fitted, span.warp_near(eta), 1.0);
+        norm.cost(&largest_errors_at(&map, judged))
+    };
     let (mut left, mut right) = (-1.0_f64, 0.0_f64);
     for _ in 0..GUARD_STEPS {
         let [inner_left, inner_right] = [GOLDEN, 1.0 - GOLDEN].map(|share| left + (right - left) * share);

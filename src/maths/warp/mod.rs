@@ -11,7 +11,7 @@ mod span;
 
 use serde::{Deserialize, Serialize};
 
-pub use guard::guarded_eta;
+pub use guard::{GuardNorm, guarded_eta, guarded_eta_by};
 pub use reparametrised::{frustum_extent, reparametrised_eta};
 pub use span::{OptimumRule, WarpSpan, trapezoidal_warp_near};
 

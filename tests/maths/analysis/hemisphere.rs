@@ -101,6 +101,32 @@ fn the_worst_direction() {
     assert!(uniform.value(19, 0).is_nan());
 }
 
+/// Averaged over the sky the error falls from no warp over the warp and face partitions to four warped slices, all with
+/// the same number of texels.
+#[test]
+fn the_mean_error_falls_from_scheme_to_scheme() {
+    for far in [10.0, 100.0, 1000.0, 10000.0] {
+        let means = [
+            Scheme::depth(1, TiltedWarp::Uniform),
+            Scheme::depth(1, TiltedWarp::Guarded),
+            Scheme::faces(1),
+            Scheme::depth(4, TiltedWarp::Guarded),
+        ]
+        .map(|scheme| hemisphere(far, &scheme).mean_error());
+        assert!(means.is_sorted_by(|a, b| a > b), "{far}: {means:?}");
+    }
+    // The mean depends on the sky, not on the grid: every direction counts with its share.
+    let view = papers_camera(1.0, 100.0);
+    let unwarped = Scheme::depth(1, TiltedWarp::Uniform);
+    let coarse = StorageHemisphere::new(&view, &unwarped, 18, 36)
+        .expect("sound")
+        .mean_error();
+    let fine = StorageHemisphere::new(&view, &unwarped, 36, 72)
+        .expect("sound")
+        .mean_error();
+    close(coarse, fine, 1.0e-2);
+}
+
 /// The hemisphere is left-right symmetric, and ahead equals behind.
 #[test]
 fn symmetries() {

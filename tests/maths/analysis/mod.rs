@@ -2,6 +2,7 @@
 
 mod direction;
 mod hemisphere;
+mod means;
 mod metric;
 mod overhead;
 mod prediction;
