@@ -44,6 +44,8 @@ fn next_view(surface: Surface, before: Selected) -> Selected {
 
 fn first_view(surface: Surface, start: u32) -> Selected {
     var selected: Selected;
+    // Said again: where this is called in a loop, a software driver keeps what the call before left.
+    selected.is_found = false;
     for (var i = start; i < parameters.light_view_count; i += 1u) {
         let is_last = i + 1u == parameters.light_view_count;
         let is_behind = surface.view_depth >= parameters.light_views[i].depth_range.y && !is_last;
@@ -63,6 +65,8 @@ fn first_view(surface: Surface, start: u32) -> Selected {
 // The finest of all maps that hold the point, or of those that are coarser than a found one.
 fn finest_view(surface: Surface, before: Selected) -> Selected {
     var finest: Selected;
+    finest.density = 0.0;
+    finest.is_found = false;
     for (var i = 0u; i < parameters.light_view_count; i += 1u) {
         let plane = plane_in_view(surface, i);
         if !contains(plane, i) {

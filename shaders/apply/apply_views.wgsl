@@ -46,6 +46,8 @@ const NOISE_PER_METRE: f32 = 0.00002;
 // Share of the texel's depth span on the receiver's plane that is added on top of the exact plane depth, for normals
 // that are slightly off.
 const FOOTPRINT_SHARE: f32 = 0.5;
+// As many as `ApplyParameters` holds.
+const MAX_LIGHT_VIEWS: u32 = 16u;
 
 @fragment
 fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
@@ -61,7 +63,8 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
     return lit;
 }
 
-// Every view takes its share, the last one that holds the point all that is left. Without seams the first takes all.
+// Every view takes its share, the last one that holds the point all that is left: v1 + l1 (v2 - v1) + l2 (v3 - v2) with what
+// the views before leave, l1 and l2; where all agree the sum is exact. Without seams the first takes all.
 fn blended_visibility(surface: Surface, angle: f32) -> f32 {
     var selected = select_view(surface);
     if !selected.is_found {
@@ -69,23 +72,23 @@ fn blended_visibility(surface: Surface, angle: f32) -> f32 {
     }
     var lit = 0.0;
     var left = 1.0;
-    loop {
+    var before = 0.0;
+    // Every view at most once: a bound that no driver can miss.
+    for (var step = 0u; step < MAX_LIGHT_VIEWS; step += 1u) {
         let visible = visibility(selected, surface, angle);
-        var next: Selected;
-        var weight = left;
-        if parameters.has_seams == 1u {
-            weight = left * view_share(selected, surface);
-            if weight < left {
-                next = next_view(surface, selected);
-            }
-        }
-        if !next.is_found {
-            lit += left * visible;
+        lit += left * (visible - before);
+        before = visible;
+        if parameters.has_seams == 0u {
             break;
         }
-        lit += weight * visible;
-        left -= weight;
-        selected = next;
+        left *= 1.0 - view_share(selected, surface);
+        if left <= 0.0 {
+            break;
+        }
+        selected = next_view(surface, selected);
+        if !selected.is_found {
+            break;
+        }
     }
     return lit;
 }

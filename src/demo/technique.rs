@@ -292,13 +292,7 @@ impl Setting {
             }
             Self::Filter => settings.filter = neighbor(FILTERS, &settings.filter, back),
             Self::Bias => settings.bias = neighbor(BIASES, &settings.bias, back),
-            Self::Path => {
-                let path = neighbor(PATHS, &settings.path, back);
-                if partitions.scheme == Partitions::scheme_of(settings.path) {
-                    partitions.scheme = Partitions::scheme_of(path);
-                }
-                settings.path = path;
-            }
+            Self::Path => settings.path = neighbor(PATHS, &settings.path, back),
             Self::Distance => settings.distance = neighbor(DISTANCES, &settings.distance, back),
             Self::Depths => settings.measured = neighbor(DEPTHS, &settings.measured, back),
             Self::Stable => settings.stable = neighbor(STABILITIES, &settings.stable, back),

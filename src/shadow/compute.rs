@@ -15,7 +15,6 @@ use super::{
 use crate::maths::{
     body::{adjusted_depths, light_visible},
     bounds::Bounds,
-    drop_in::slice_depths,
     error::{LargestErrors, LightSample, largest_errors},
     fit::{FitInput, LightFit, fit_light_view},
     split::{PseudoPlanes, SplitScheme, pseudo_split_depths},
@@ -51,8 +50,7 @@ pub fn split_range(view: &ViewVolume, settings: &SunShadows, plan: &DepthPlan, v
 
 /// Split distances for a range of view depth, evaluated between two measured planes of it if some are given, else between
 /// the pseudo planes of the settings. Orthographic cameras see everything at one scale: they split uniformly, unless the
-/// distances are set by hand. On the drop-in path logarithmic splits have a pseudo-near plane
-/// ([`maths::drop_in`](crate::maths::drop_in)).
+/// distances are set by hand.
 pub fn partition_depths(
     settings: &SunShadows,
     orthographic: bool,
@@ -65,11 +63,7 @@ pub fn partition_depths(
         scheme => scheme,
     };
     let planes = measured.unwrap_or_else(|| settings.fit.pseudo_planes());
-    let count = settings.partitions.count as usize;
-    match settings.path {
-        ShadowPath::DropIn if !orthographic => slice_depths(scheme, near, far, planes, count),
-        _ => pseudo_split_depths(scheme, near, far, planes, count),
-    }
+    pseudo_split_depths(scheme, near, far, planes, settings.partitions.count as usize)
 }
 
 /// What the frame before leaves to a camera's light views.
@@ -111,7 +105,6 @@ pub fn compute_camera_views(
         scene: scene.scene?,
         light_travel,
         settings,
-        far,
     };
     let whole = cutter.whole(near, far);
     let square = UVec2::splat(settings.map_size);
@@ -141,8 +134,6 @@ struct Fitter<'a> {
     scene: Bounds,
     light_travel: DVec3,
     settings: &'a SunShadows,
-    /// View depth where the whole view ends.
-    far: f64,
 }
 
 impl Fitter<'_> {
@@ -174,7 +165,7 @@ impl Fitter<'_> {
         let input = self.input(part, map_size);
         match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),
-            ShadowPath::DropIn => drop_in::fit(&input, self.settings.bias, self.far),
+            ShadowPath::DropIn => drop_in::fit(input, self.settings.bias),
         }
     }
 

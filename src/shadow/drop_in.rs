@@ -32,10 +32,7 @@ use super::{
     settings::{ShadowBias, SunShadows},
     views::{LightView, SunViews},
 };
-use crate::maths::{
-    drop_in::{LookupRoom, fit_with_room},
-    fit::{FitInput, LightFit},
-};
+use crate::maths::fit::{FitInput, LightFit, fit_light_view};
 
 /// Texels that Bevy's widest filter (a Gaussian over 5×5) reads beyond a point, and one for rounding.
 const GUARD_TEXELS: f64 = 4.0;
@@ -84,14 +81,21 @@ pub(super) fn caster_depth_bias(fit: &LightFit, bias: ShadowBias, light_travel: 
     caster_texels(bias, light_travel) * fit.relative_texel_size * fit.depth_per_metre
 }
 
-/// Fits a light view with room for Bevy's filter and normal bias; `view_far` is where the whole view ends.
-pub(super) fn fit(input: &FitInput, bias: ShadowBias, view_far: f64) -> Option<LightFit> {
+/// Fits a light view with room for Bevy's filter and normal bias.
+pub(super) fn fit(input: FitInput, bias: ShadowBias) -> Option<LightFit> {
     let (_, normal_bias) = biases(bias);
-    let room = LookupRoom {
-        filter_texels: GUARD_TEXELS,
-        normal_texels: f64::from(normal_bias) * std::f64::consts::SQRT_2,
+    let input = FitInput {
+        guard_texels: GUARD_TEXELS,
+        ..input
     };
-    fit_with_room(input, &room, view_far).fitted()
+    let first = fit_light_view(&input).fitted()?;
+    if normal_bias == 0.0 {
+        return Some(first);
+    }
+    let moved_by = f64::from(normal_bias) * std::f64::consts::SQRT_2 * first.near_texel_size;
+    // The room itself makes texels a little larger.
+    let guard_metres = moved_by * 1.1;
+    fit_light_view(&FitInput { guard_metres, ..input }).fitted()
 }
 
 /// A light view as one of Bevy's cascades.

@@ -281,17 +281,10 @@ impl SunShadows {
     /// Four warped maps of 4096², 256 MiB.
     pub const ULTRA: Self = Self::preset(4, 4096);
 
-    /// Four warped maps of 2048² by the drop-in path.
-    pub const DROP_IN: Self = Self::preset_of(ShadowPath::DropIn, 4, 2048);
-
     const fn preset(count: u32, map_size: u32) -> Self {
-        Self::preset_of(ShadowPath::Full, count, map_size)
-    }
-
-    const fn preset_of(path: ShadowPath, count: u32, map_size: u32) -> Self {
         Self {
-            path,
-            partitions: Partitions::slices_of(path, count),
+            path: ShadowPath::Full,
+            partitions: Partitions::slices(count),
             warp: Warp::Lispsm,
             fit: FitSettings::BEST,
             map_size,

@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 
-use super::ShadowPath;
 use crate::maths::split::SplitScheme;
 
 /// How the view frustum is cut, one map for each part.
@@ -73,29 +72,12 @@ impl Partitions {
     /// 1.073, 0.99 0.337 and 1.107.
     pub const SCHEME: SplitScheme = SplitScheme::Practical { lambda: 0.9 };
 
-    /// The default split of a path. The drop-in path splits logarithmically, which keeps the largest texel ÷ pixel of all
-    /// slices alike: Bevy's lookup reads the map of the slice and no finer one, and a pseudo-near plane replaces the
-    /// share of uniform splits in keeping the first slice long enough ([`maths::drop_in`](crate::maths::drop_in)).
-    #[must_use]
-    pub const fn scheme_of(path: ShadowPath) -> SplitScheme {
-        match path {
-            ShadowPath::Full => Self::SCHEME,
-            ShadowPath::DropIn => SplitScheme::Logarithmic,
-        }
-    }
-
-    /// So many z-partitions of the full path.
+    /// So many z-partitions.
     #[must_use]
     pub const fn slices(count: u32) -> Self {
-        Self::slices_of(ShadowPath::Full, count)
-    }
-
-    /// So many z-partitions with the default split of a path.
-    #[must_use]
-    pub const fn slices_of(path: ShadowPath, count: u32) -> Self {
         Self {
             count,
-            scheme: Self::scheme_of(path),
+            scheme: Self::SCHEME,
             faces: Faces::Together,
             etas: Vec::new(),
             resolution: MapResolution::Equal,

@@ -144,7 +144,6 @@ mod tests {
         };
         assert_eq!(all, expected);
         assert_eq!(settings("zp4:path=dropin").path, ShadowPath::DropIn);
-        assert_eq!(settings("zp4+lispsm:path=dropin"), SunShadows::DROP_IN);
         assert_eq!(settings("zp4:split=log").partitions.scheme, SplitScheme::Logarithmic);
         assert_eq!(
             settings("zp4:lambda=0.3").partitions.scheme,
