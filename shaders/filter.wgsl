@@ -11,6 +11,8 @@ struct Lookup {
     plane: ReceiverPlane,
     // The map's cell of the atlas in texels: x, y, width, height.
     rect: vec4<f32>,
+    // First and last texel of the map that taps may read: x, y each.
+    bounds: vec4<f32>,
     // How much nearer to the light than the receiver a caster must be, NDC depth.
     offset: f32,
     // Whether every tap compares with the receiver's plane at its own texel.
@@ -59,9 +61,9 @@ fn receiver_depth(lookup: Lookup, tap: vec2<f32>) -> f32 {
     return receiver;
 }
 
-// The depth that a texel of the map holds. Taps beside the map read its border, never a neighbour's cell.
+// The depth that a texel of the map holds. Taps beside its bounds read their border, never a neighbour's cell.
 fn stored_depth(atlas: texture_depth_2d, lookup: Lookup, tap: vec2<f32>) -> f32 {
-    return textureLoad(atlas, vec2<i32>(lookup.rect.xy + clamp(tap, vec2<f32>(0.0), lookup.rect.zw - 1.0)), 0);
+    return textureLoad(atlas, vec2<i32>(lookup.rect.xy + clamp(tap, lookup.bounds.xy, lookup.bounds.zw)), 0);
 }
 
 // One comparison. Reverse z: larger is nearer to the light.

@@ -106,6 +106,42 @@ const BIAS_SLOPE: u32 = 3u;
 const BIAS_WORLD_SLOPE: u32 = 4u;
 const BIAS_RECEIVER: u32 = 5u;
 
+// One tile of a virtual map, as the pass that applies it reads it.
+struct ShadowTile {
+    // As `MapTexels` in visibility.wgsl, at this tile's resolution.
+    rect: vec4<f32>,
+    bounds: vec4<f32>,
+    // Column and row from the top left of the map, and tiles per axis; whole numbers.
+    place: vec2<f32>,
+    counts: vec2<f32>,
+    // Index of its report.
+    report: u32,
+    // Changes of the shadow result up to this are none.
+    tolerance: f32,
+    padding_a: u32,
+    padding_b: u32,
+}
+
+// One tile of a virtual map, as the overlay shows it.
+struct TileMark {
+    place: vec2<f32>,
+    counts: vec2<f32>,
+    color: vec4<f32>,
+}
+
+// What applying a tile did.
+struct TileReport {
+    // Pixels whose shadow result changed.
+    changed: atomic<u32>,
+    // Pixels inside the tile.
+    inside: atomic<u32>,
+    // First and last pixel inside the tile.
+    min_x: atomic<u32>,
+    min_y: atomic<u32>,
+    max_x: atomic<u32>,
+    max_y: atomic<u32>,
+}
+
 // One bin of the caster phase: instances that share mesh, material and pipeline.
 struct CasterBin {
     // First instance in the mesh uniform buffer.
@@ -137,5 +173,95 @@ struct CullParameters {
     instance_total: u32,
     bin_count: u32,
     light_view_count: u32,
+    // Counter of the first light view in `drawn`.
+    first_counter: u32,
+}
+
+// What the passes of a fitted map read.
+struct NeedParameters {
+    // Clip space of the picture to that of the map: takes places and depths of the prepass there in one projective step.
+    map_from_picture: mat4x4<f32>,
+    // World to clip space of the map: the very matrix that the lookup has, so that both find a pixel in the same place.
+    clip_from_world: mat4x4<f32>,
+    // The row of the camera's world_from_clip that gives 1 ÷ view depth for clip-space places and depths.
+    inverse_depth: vec4<f32>,
+    // Pixels of the picture.
+    picture_size: vec2<u32>,
+    // The picture's first pixel in its target.
+    picture_origin: vec2<u32>,
+    // Texels of the mapping map.
+    map_size: vec2<u32>,
+    // n: cells of the grid.
+    cells_per_axis: u32,
+    // MEASURE_*
+    measure: u32,
+    // PICK_*
+    pick: u32,
+    // Factor on needs before they are rounded up to levels: 2^(- bias).
+    need_scale: f32,
+    // View depth from which everything is lit, in metres.
+    shadow_distance: f32,
+    // 1: neighbours are a texel of the mapping map away, 0: a pixel.
+    wide_steps: u32,
+    // Motion of the camera for which the needs have to hold: metres; negative: none.
+    motion_step: f32,
+    // By how much turning can raise a need.
+    motion_turn_factor: f32,
+    // Pixels per unit of tangent.
+    motion_focal: f32,
+    // Tangent of the angle to the corner of the picture.
+    motion_corner: f32,
+}
+
+// Needs of the pixels that look into one cell of the map. Zeros are a cell without pixels.
+struct NeedCell {
+    // Largest log2 of the texels per axis of the whole map.
+    level_u: atomic<u32>,
+    level_v: atomic<u32>,
+    pixels: atomic<u32>,
+    // Complement of the first column and row: the largest one is that of the smallest column.
+    first_column_complement: atomic<u32>,
+    first_row_complement: atomic<u32>,
+    // One after the last column and row.
+    end_column: atomic<u32>,
+    end_row: atomic<u32>,
+}
+
+// Counts over the whole picture.
+struct NeedTotals {
+    // Pixels by the larger level of both axes.
+    pixels_by_level: array<atomic<u32>, 32>,
+    // Pixels whose surface lies beside the map.
+    outside: atomic<u32>,
+}
+
+// A texel of the mapping map.
+struct MappingTexel {
+    // Place in the map, v down.
+    uv: vec2<f32>,
+    // Half the box, in the map, of the pixels that the texel stands for.
+    reach: vec2<f32>,
+    // Bits 0 to 7: level along u, 8 to 15: along v, 16 to 17: FOUND_*
+    levels: u32,
     padding: u32,
+}
+
+const MEASURE_SIDES: u32 = 0u;
+const MEASURE_EXTENT: u32 = 1u;
+const MEASURE_BOX: u32 = 2u;
+const PICK_SMALLER: u32 = 0u;
+const PICK_LARGER: u32 = 1u;
+const FOUND_NOTHING: u32 = 0u;
+const FOUND_OUTSIDE: u32 = 1u;
+const FOUND_SURFACE: u32 = 2u;
+
+// What the overlay of needs shows.
+struct NeedOverlay {
+    // Tiles whose screen rectangles are outlined.
+    rectangle_count: u32,
+    // log2 of the largest need that the tiles can meet.
+    cap: f32,
+    // 0..1
+    opacity: f32,
+    padding: f32,
 }

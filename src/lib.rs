@@ -47,6 +47,7 @@ pub mod prelude {
         maths::{split::SplitScheme, warp::Warp},
         render::UmbragePlugins,
         shadow::{
+            fitted::FittedMaps,
             measured::{MeasureUse, MeasuredDepths},
             settings::{
                 PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
@@ -54,6 +55,7 @@ pub mod prelude {
             },
             stable::Stability,
             technique::Technique,
+            virtual_maps::{QueriedMaps, ShadowMaps, TiledMaps},
         },
     };
 }

@@ -3,7 +3,8 @@
 use bevy::render::render_resource::ShaderType;
 use umbrage::render::gpu_types::{
     ApplyParameters, CasterBin, CullParameters, DrawIndexedArguments, GpuDepthRange, GpuEyeBlur, GpuHistoryFrame,
-    GpuLightView, MAX_LIGHT_VIEWS,
+    GpuLightView, GpuMappingTexel, GpuNeedCell, GpuNeedOverlay, GpuShadowTile, GpuTileMark, GpuTileReport,
+    MAX_LIGHT_VIEWS, NeedParameters, NeedTotals,
 };
 
 /// Name, size and member offsets of every structure that the shader compiler sees.
@@ -73,6 +74,11 @@ fn layouts_agree() {
     assert_layout!(GpuHistoryFrame, "HistoryFrame", {
         clip_from_world, view_depth_from_world, new_share, is_valid, padding,
     });
+    assert_layout!(GpuShadowTile, "ShadowTile", {
+        rect, bounds, place, counts, report, tolerance, padding_a, padding_b,
+    });
+    assert_layout!(GpuTileMark, "TileMark", { place, counts, color });
+    assert_layout!(GpuTileReport, "TileReport", { changed, inside, min_x, min_y, max_x, max_y });
     assert_layout!(CasterBin, "CasterBin", {
         first_instance, instance_count, first_index, index_count, base_vertex, unbounded, padding_a, padding_b,
         center_local, half_extents_local,
@@ -80,8 +86,21 @@ fn layouts_agree() {
     assert_layout!(DrawIndexedArguments, "DrawIndexedArguments", {
         index_count, instance_count, first_index, base_vertex, first_instance,
     });
-    assert_layout!(CullParameters, "CullParameters", { instance_total, bin_count, light_view_count, padding });
-    assert_eq!(wgsl_structs().len(), 8, "a structure of types.wgsl has no twin here");
+    assert_layout!(CullParameters, "CullParameters", {
+        instance_total, bin_count, light_view_count, first_counter,
+    });
+    assert_layout!(NeedParameters, "NeedParameters", {
+        map_from_picture, clip_from_world, inverse_depth, picture_size, picture_origin, map_size, cells_per_axis,
+        measure, pick, need_scale, shadow_distance, wide_steps, motion_step, motion_turn_factor, motion_focal,
+        motion_corner,
+    });
+    assert_layout!(GpuNeedCell, "NeedCell", {
+        level_u, level_v, pixels, first_column_complement, first_row_complement, end_column, end_row,
+    });
+    assert_layout!(NeedTotals, "NeedTotals", { pixels_by_level, outside });
+    assert_layout!(GpuMappingTexel, "MappingTexel", { uv, reach, levels, padding });
+    assert_layout!(GpuNeedOverlay, "NeedOverlay", { rectangle_count, cap, opacity, padding });
+    assert_eq!(wgsl_structs().len(), 16, "a structure of types.wgsl has no twin here");
     let array = include_str!("../shaders/types.wgsl").contains(&format!("array<LightView, {MAX_LIGHT_VIEWS}>"));
     assert!(array, "the array of light views has another length");
 }

@@ -15,6 +15,9 @@
 // keeps them all: 6 MB a second in the city, where the numbers change with every step.
 @group(0) @binding(5) var<storage, read> parameters: CullParameters;
 
+// Casters drawn, per light view of the frame: for statistics.
+@group(0) @binding(6) var<storage, read_write> drawn: array<atomic<u32>>;
+
 @compute @workgroup_size(64)
 fn cull_casters(@builtin(global_invocation_id) id: vec3<u32>) {
     let instance = id.x;
@@ -31,6 +34,8 @@ fn cull_casters(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let base = light_view * parameters.instance_total + bin.first_instance;
     let slot = atomicAdd(&counts[base], 1u);
+    // Those without a counter of their own share the last.
+    atomicAdd(&drawn[min(parameters.first_counter + light_view, arrayLength(&drawn) - 1u)], 1u);
     arguments[base + slot] = DrawIndexedArguments(bin.index_count, 1u, bin.first_index, bin.base_vertex, instance);
 }
 

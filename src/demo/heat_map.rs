@@ -1,11 +1,16 @@
-//! The overlay of texel ÷ pixel: gives the player's camera a [`TexelHeatMap`] of the maps that the technique draws.
+//! Overlays in color of the player's camera: texel ÷ pixel ([`TexelHeatMap`]), the tiles of virtual maps ([`TileOverlay`])
+//! and the needs of fitted ones ([`NeedOverlay`]).
 
 use bevy::{core_pipeline::prepass::NormalPrepass, prelude::*};
 
 use super::{overlay::Overlay, player::Player, screens::Screen};
 use crate::{
     level::Sun,
-    render::{heat_map::TexelHeatMap, light_maps::LightMaps},
+    render::{
+        heat_map::TexelHeatMap,
+        light_maps::LightMaps,
+        virtual_map::{fitted::overlay::NeedOverlay, overlay::TileOverlay},
+    },
     shadow::settings::{ShadowPath, SunShadows},
 };
 
@@ -23,6 +28,16 @@ fn follow_overlay(world: &mut World) {
     let (Ok(camera), Some(sun)) = (camera, sun) else {
         return;
     };
+    if *world.resource::<Overlay>() == Overlay::Tiles {
+        world.entity_mut(camera).insert(TileOverlay { opacity: OPACITY });
+    } else if world.get::<TileOverlay>(camera).is_some() {
+        world.entity_mut(camera).remove::<TileOverlay>();
+    }
+    if *world.resource::<Overlay>() == Overlay::Needs {
+        world.entity_mut(camera).insert(NeedOverlay { opacity: OPACITY });
+    } else if world.get::<NeedOverlay>(camera).is_some() {
+        world.entity_mut(camera).remove::<NeedOverlay>();
+    }
     let is_wanted = world.resource::<Overlay>().is_heat_map();
     if is_wanted {
         let heat_map = heat_map(world, sun, camera);

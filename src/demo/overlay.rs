@@ -27,6 +27,10 @@ pub enum Overlay {
     All,
     /// Texel ÷ pixel in color.
     TexelRatio,
+    /// Tiles of a virtual map.
+    Tiles,
+    /// Needs of a fitted map.
+    Needs,
 }
 
 impl Overlay {
@@ -39,7 +43,9 @@ impl Overlay {
             Self::SplitFrusta => Self::LightViews,
             Self::LightViews => Self::All,
             Self::All => Self::TexelRatio,
-            Self::TexelRatio => Self::Off,
+            Self::TexelRatio => Self::Tiles,
+            Self::Tiles => Self::Needs,
+            Self::Needs => Self::Off,
         }
     }
 
@@ -52,12 +58,16 @@ impl Overlay {
             Self::LightViews => "light views",
             Self::All => "bodies, split frusta and light views",
             Self::TexelRatio => "texel / pixel: dark blue 1/8, blue 1/4, cyan 1/2, green 1, yellow 2, orange 4, red 8",
+            Self::Tiles => "tiles of virtual maps, blue coarsest, the next color for each doubling",
+            Self::Needs => {
+                "needs of fitted maps: blue 256 texels across the map, green 16 thousand, red 256 thousand, pink unmet"
+            }
         }
     }
 
     /// Whether lines show it.
     pub fn has_lines(self) -> bool {
-        !matches!(self, Self::Off | Self::TexelRatio)
+        !matches!(self, Self::Off | Self::TexelRatio | Self::Tiles | Self::Needs)
     }
 
     /// Whether colors show it.
@@ -105,6 +115,8 @@ mod tests {
                 gizmos.split_frusta,
                 gizmos.light_views,
                 overlay.is_heat_map(),
+                overlay == Overlay::Tiles,
+                overlay == Overlay::Needs,
             );
             assert!(!seen.contains(&shown), "{overlay:?} shows nothing new");
             assert!(overlay.name().is_ascii(), "the font has ASCII only");
@@ -114,6 +126,6 @@ mod tests {
                 break;
             }
         }
-        assert_eq!((seen.len(), seen[0]), (6, (false, false, false, false)));
+        assert_eq!((seen.len(), seen[0]), (8, (false, false, false, false, false, false)));
     }
 }

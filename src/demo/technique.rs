@@ -265,10 +265,14 @@ impl Setting {
         }
     }
 
-    /// False where the setting means nothing on the chosen path.
+    /// False where the setting means nothing on the chosen path or with the chosen maps.
     pub fn applies_to(self, settings: &SunShadows) -> bool {
-        settings.path == ShadowPath::Full
-            || !matches!(self, Self::Selection | Self::Filter | Self::Depths | Self::Stable)
+        let is_of_atlas = matches!(
+            self,
+            Self::Partitions | Self::Split | Self::MapSize | Self::Selection | Self::Path
+        );
+        let is_of_full_path = matches!(self, Self::Selection | Self::Filter | Self::Depths | Self::Stable);
+        !(settings.maps.is_virtual() && is_of_atlas || settings.path == ShadowPath::DropIn && is_of_full_path)
     }
 
     /// Steps to the next value, or back; a value that is not in the list goes to its first. The drop-in path keeps
@@ -397,7 +401,7 @@ fn switch_setting(intent: Res<Intent>, mut chosen: ResMut<Chosen>, mut notice: R
             setting.step(settings, back);
             notice.show(format!("{}: {}", setting.name(), setting.value(settings)));
         } else {
-            notice.show(format!("{} means nothing on the drop-in path", setting.name()));
+            notice.show(format!("{} means nothing with {}", setting.name(), chosen.0));
         }
     } else {
         notice.show("Bevy's stock cascades have no settings here: press T for the next technique");
@@ -416,6 +420,7 @@ fn apply(mut commands: Commands, chosen: Res<Chosen>, suns: Query<(Entity, Ref<S
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shadow::virtual_maps::{ShadowMaps, TiledMaps};
 
     #[test]
     fn every_setting_comes_round_in_both_directions() {
@@ -494,6 +499,9 @@ mod tests {
     fn drop_in_has_no_filter_of_its_own() {
         let mut settings = SunShadows::default();
         assert!(Setting::ALL.iter().all(|setting| setting.applies_to(&settings)));
+        settings.maps = ShadowMaps::Tiled(TiledMaps::default());
+        assert!(!Setting::Partitions.applies_to(&settings) && Setting::Warp.applies_to(&settings));
+        settings.maps = ShadowMaps::Partitions;
         settings.path = ShadowPath::DropIn;
         assert!(!Setting::Filter.applies_to(&settings) && !Setting::Selection.applies_to(&settings));
         assert!(!Setting::Stable.applies_to(&settings) && !Setting::Depths.applies_to(&settings));

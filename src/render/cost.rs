@@ -6,6 +6,7 @@ use bevy::{
     render::{
         render_phase::ViewBinnedRenderPhases,
         render_resource::{Texture, TextureAspect},
+        sync_world::MainEntity,
         view::ExtractedView,
     },
 };
@@ -15,6 +16,7 @@ use super::{
     blur::BlurTarget,
     caster::CasterStatistics,
     history::HistoryTargets,
+    virtual_map::report::VirtualMapReports,
 };
 
 /// Memory in bytes and draw calls of the frame just drawn. Everything is 0 for cameras without shadows.
@@ -22,7 +24,7 @@ use super::{
 pub struct ShadowCost {
     /// Bevy's array of directional shadow maps: cascades, or the fallback map and the mask layer of the full path.
     pub bevy_maps: u64,
-    /// [`ShadowAtlas`], both where there are two.
+    /// [`ShadowAtlas`], both where there are two; of a virtual map the tile textures alive at once and its other buffers.
     pub atlas: u64,
     /// [`ShadowResult`], the texture that its blur goes to and fro between, and its history.
     pub result: u64,
@@ -30,7 +32,7 @@ pub struct ShadowCost {
     pub caster_buffers: u64,
     /// Draw calls into Bevy's maps: one per multi-draw of a batch set, per batch, and per mesh that cannot be batched.
     pub bevy_draw_calls: u64,
-    /// Draw calls into the atlases: one multi-draw per light view and bin.
+    /// Draw calls into the atlases: one multi-draw per light view or tile, and bin.
     pub atlas_draw_calls: u64,
 }
 
@@ -66,7 +68,7 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
         atlas: camera.get::<ShadowAtlas>().map_or(0, |atlas| {
             let second = atlas.second.as_ref().map_or(0, |(texture, _)| texture_bytes(texture));
             texture_bytes(&atlas.texture) + second
-        }),
+        }) + virtual_map_bytes(render_world, &camera),
         result: camera
             .get::<ShadowResult>()
             .map_or(0, |result| texture_bytes(&result.texture))
@@ -80,6 +82,15 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
         bevy_draw_calls: lights.map_or(0, |lights| bevy_draw_calls(render_world, lights)),
         atlas_draw_calls: u64::from(counts.light_views) * u64::from(counts.bins) * passes,
     }
+}
+
+/// Tile textures and other buffers of a camera's virtual map; 0 without.
+fn virtual_map_bytes(render_world: &World, camera: &EntityRef) -> u64 {
+    let reports = render_world.get_resource::<VirtualMapReports>();
+    let report = reports
+        .zip(camera.get::<MainEntity>())
+        .and_then(|(reports, main)| reports.get(**main));
+    report.map_or(0, |report| report.texture_bytes + report.buffer_bytes)
 }
 
 /// Draw calls of the shadow phases that Bevy draws for a camera.

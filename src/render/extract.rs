@@ -6,6 +6,7 @@ use bevy::{
 };
 
 use super::camera::takes_full_path;
+use crate::maths::polytope::Polytope;
 use crate::shadow::{
     checked::checked,
     layout::AtlasLayout,
@@ -31,6 +32,8 @@ pub struct ExtractedSun {
     pub light_views: Vec<LightView>,
     /// Where the maps lie in the atlas; of no size for a camera that sees nothing.
     pub layout: AtlasLayout,
+    /// What the camera sees of the receivers; for virtual maps only.
+    pub visible: Option<Polytope>,
 }
 
 /// Extracts [`ExtractedSun`].
@@ -69,9 +72,12 @@ fn extract_suns(
             // A camera without views sees nothing that could be shadowed: its shadow result is lit everywhere.
             let camera_views = views.cameras.get(&camera);
             let partitions = camera_views.map_or(&[][..], |views| &views.partitions);
+            let settings = checked(settings).0;
+            let whole = partitions.first().filter(|_| settings.maps.is_virtual());
             Some(ExtractedSun {
                 light: light.id(),
-                settings: checked(settings).0,
+                visible: whole.map(|partition| partition.visible.clone()),
+                settings,
                 direction_to_light: *transform.back(),
                 shadow_distance: camera_views.map_or(f32::MAX, |views| views.far_depth),
                 light_views: partitions

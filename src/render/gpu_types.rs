@@ -106,6 +106,55 @@ pub struct GpuHistoryFrame {
     pub padding: Vec2,
 }
 
+/// One tile of a virtual map, as the pass that applies it reads it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuShadowTile {
+    /// Texel of the texture that holds the map's first one, and texels of the whole map, at this tile's resolution.
+    pub rect: Vec4,
+    /// First and last texel of the map that the texture holds.
+    pub bounds: Vec4,
+    /// Column and row from the top left of the map.
+    pub place: Vec2,
+    /// Tiles per axis.
+    pub counts: Vec2,
+    /// Index of its report.
+    pub report: u32,
+    /// Changes of the shadow result up to this are none.
+    pub tolerance: f32,
+    /// Unused.
+    pub padding_a: u32,
+    /// Unused.
+    pub padding_b: u32,
+}
+
+/// One tile of a virtual map, as the overlay shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuTileMark {
+    /// Column and row from the top left of the map.
+    pub place: Vec2,
+    /// Tiles per axis.
+    pub counts: Vec2,
+    /// Linear color with opacity.
+    pub color: Vec4,
+}
+
+/// What applying a tile did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ShaderType)]
+pub struct GpuTileReport {
+    /// Pixels whose shadow result changed.
+    pub changed: u32,
+    /// Pixels inside the tile.
+    pub inside: u32,
+    /// First column of the pixels inside.
+    pub min_x: u32,
+    /// First row.
+    pub min_y: u32,
+    /// Last column.
+    pub max_x: u32,
+    /// Last row.
+    pub max_y: u32,
+}
+
 /// One bin of the caster phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
 pub struct CasterBin {
@@ -155,6 +204,97 @@ pub struct CullParameters {
     pub bin_count: u32,
     /// Number of light views.
     pub light_view_count: u32,
+    /// Counter of the first light view in `drawn`.
+    pub first_counter: u32,
+}
+
+/// What the passes of a fitted map read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct NeedParameters {
+    /// Clip space of the picture to that of the map.
+    pub map_from_picture: Mat4,
+    /// World to clip space of the map.
+    pub clip_from_world: Mat4,
+    /// The row of the camera's `world_from_clip` that gives 1 ÷ view depth.
+    pub inverse_depth: Vec4,
+    /// Pixels of the picture.
+    pub picture_size: UVec2,
+    /// The picture's first pixel in its target.
+    pub picture_origin: UVec2,
+    /// Texels of the mapping map.
+    pub map_size: UVec2,
+    /// n: cells of the grid.
+    pub cells_per_axis: u32,
+    /// 0 sides, 1 extent, 2 box.
+    pub measure: u32,
+    /// 0 smaller, 1 larger.
+    pub pick: u32,
+    /// Factor on needs before they are rounded up to levels.
+    pub need_scale: f32,
+    /// View depth from which everything is lit, metres.
+    pub shadow_distance: f32,
+    /// 1: neighbours are a texel of the mapping map away, 0: a pixel.
+    pub wide_steps: u32,
+    /// Motion of the camera for which the needs have to hold, metres; negative: none.
+    pub motion_step: f32,
+    /// By how much turning can raise a need.
+    pub motion_turn_factor: f32,
+    /// Pixels per unit of tangent.
+    pub motion_focal: f32,
+    /// Tangent of the angle to the corner of the picture.
+    pub motion_corner: f32,
+}
+
+/// Needs of the pixels that look into one cell of the map. Zeros are a cell without pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ShaderType)]
+pub struct GpuNeedCell {
+    /// Largest log2 of the texels along u.
+    pub level_u: u32,
+    /// The same along v.
+    pub level_v: u32,
+    /// Pixels.
+    pub pixels: u32,
+    /// Complement of the first column.
+    pub first_column_complement: u32,
+    /// Complement of the first row.
+    pub first_row_complement: u32,
+    /// One after the last column.
+    pub end_column: u32,
+    /// One after the last row.
+    pub end_row: u32,
+}
+
+/// Counts over the whole picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ShaderType)]
+pub struct NeedTotals {
+    /// Pixels by the larger level of both axes.
+    pub pixels_by_level: [u32; 32],
+    /// Pixels whose surface lies beside the map.
+    pub outside: u32,
+}
+
+/// A texel of the mapping map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuMappingTexel {
+    /// Place in the map, v down.
+    pub uv: Vec2,
+    /// Half the box, in the map, of the pixels that the texel stands for.
+    pub reach: Vec2,
+    /// Bits 0 to 7: level along u, 8 to 15: along v, 16 to 17: what was found.
+    pub levels: u32,
     /// Unused.
     pub padding: u32,
+}
+
+/// What the overlay of needs shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuNeedOverlay {
+    /// Tiles whose screen rectangles are outlined.
+    pub rectangle_count: u32,
+    /// log2 of the largest need that the tiles can meet.
+    pub cap: f32,
+    /// 0..=1.
+    pub opacity: f32,
+    /// Unused.
+    pub padding: f32,
 }

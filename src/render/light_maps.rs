@@ -6,11 +6,17 @@ use bevy::{
     prelude::*,
 };
 
-use crate::maths::footprint::texel_footprint;
-use crate::shadow::{
-    checked::checked,
-    settings::{Faces, PartitionSelection, ShadowPath, SunShadows},
-    views::SunViews,
+use super::virtual_map::report::VirtualMapReports;
+use crate::{
+    maths::{
+        footprint::texel_footprint,
+        virtual_map::tile::{Tile, TileWindow, map_uv},
+    },
+    shadow::{
+        checked::checked,
+        settings::{Faces, PartitionSelection, ShadowPath, SunShadows},
+        views::{LightView, SunViews},
+    },
 };
 
 /// One map that is drawn and looked up.
@@ -18,7 +24,7 @@ use crate::shadow::{
 pub struct LightMap {
     /// World to light clip space.
     pub clip_from_world: DMat4,
-    /// Texels across and along the map's axes.
+    /// Texels across and along the map's axes; those of a tile without its margins.
     pub size: UVec2,
     /// View depth in metres from which the map is meant to be used.
     pub near_depth: f64,
@@ -39,6 +45,8 @@ pub enum Selection {
     /// Bevy's: the first map that ends behind the pixel, whether it contains it or not. Where two cascades are blended, the
     /// finer one counts.
     Cascades,
+    /// The last tile of a virtual map that contains the pixel (`apply_tile.wgsl`).
+    LastTile,
 }
 
 /// All maps of one sun and one camera, near to far.
@@ -50,6 +58,19 @@ pub struct LightMaps {
     pub selection: Selection,
     /// View depth in metres from which everything is lit.
     pub distance: f64,
+    /// The virtual map whose tiles the maps are.
+    pub virtual_map: Option<WholeMap>,
+}
+
+/// A virtual map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WholeMap {
+    /// The whole of it, at the resolution of its finest tile.
+    pub map: LightMap,
+    /// The tile of each of the maps.
+    pub tiles: Vec<Tile>,
+    /// Texels drawn, margins included.
+    pub texels: u64,
 }
 
 impl LightMaps {
@@ -64,6 +85,10 @@ impl LightMaps {
     fn of_full_path(world: &World, sun: Entity, camera: Entity, settings: &SunShadows) -> Self {
         let (settings, _) = checked(settings);
         let views = world.get::<SunViews>(sun).and_then(|views| views.cameras.get(&camera));
+        if settings.maps.is_virtual() {
+            let partition = views.and_then(|views| views.partitions.first());
+            return Self::of_virtual_map(world, camera, partition.map(|partition| &partition.light_view));
+        }
         let maps = views
             .into_iter()
             .flat_map(|views| &views.partitions)
@@ -81,6 +106,47 @@ impl LightMaps {
                 (Faces::Together, PartitionSelection::BestResolution) => Selection::BestResolution,
             },
             distance: views.map_or(0.0, |views| f64::from(views.far_depth)),
+            virtual_map: None,
+        }
+    }
+
+    /// The tiles that the last frame drew.
+    fn of_virtual_map(world: &World, camera: Entity, light_view: Option<&LightView>) -> Self {
+        let report = world
+            .get_resource::<VirtualMapReports>()
+            .and_then(|reports| reports.get(camera))
+            .unwrap_or_default();
+        let Some(light_view) = light_view else {
+            return Self {
+                maps: Vec::new(),
+                selection: Selection::LastTile,
+                distance: 0.0,
+                virtual_map: None,
+            };
+        };
+        let whole = LightMap {
+            clip_from_world: light_view.clip_from_world.as_dmat4(),
+            size: UVec2::splat(u32::try_from(report.effective_resolution()).unwrap_or(u32::MAX)),
+            near_depth: f64::from(light_view.near_depth),
+            far_depth: f64::from(light_view.far_depth),
+        };
+        let maps = report.tiles.iter().map(|drawn| {
+            let core = TileWindow::of_size(drawn.draw.window.core(), 0);
+            LightMap {
+                clip_from_world: drawn.draw.tile.clip_from_world(&whole.clip_from_world, &core),
+                size: core.size,
+                ..whole
+            }
+        });
+        Self {
+            maps: maps.collect(),
+            selection: Selection::LastTile,
+            distance: whole.far_depth,
+            virtual_map: Some(WholeMap {
+                map: whole,
+                tiles: report.tiles.iter().map(|drawn| drawn.draw.tile).collect(),
+                texels: report.texels(),
+            }),
         }
     }
 
@@ -116,13 +182,20 @@ impl LightMaps {
             distance: maps.last().map_or(0.0, |map| map.far_depth),
             maps,
             selection: Selection::Cascades,
+            virtual_map: None,
         }
     }
 
-    /// Texels of all maps.
+    /// Texels of all maps, margins of tiles included.
     pub fn texels(&self) -> u64 {
-        let texels = self.maps.iter().map(|map| map.size.as_u64vec2().element_product());
-        texels.sum()
+        match &self.virtual_map {
+            Some(whole) => whole.texels,
+            None => self
+                .maps
+                .iter()
+                .map(|map| map.size.as_u64vec2().element_product())
+                .sum(),
+        }
     }
 
     /// The map in which the shadow of a world-space point at a view depth is looked up; `None`: it is lit without a look.
@@ -142,8 +215,15 @@ impl LightMaps {
             Selection::Cascades => maps
                 .find(|(_, map)| view_depth < map.far_depth)
                 .filter(|(_, map)| map.contains(point_world, 0.0)),
+            Selection::LastTile => return self.last_tile(point_world),
         };
         found.map(|(index, _)| index)
+    }
+
+    fn last_tile(&self, point_world: DVec3) -> Option<usize> {
+        let whole = self.virtual_map.as_ref()?;
+        let uv = map_uv(&whole.map.clip_from_world, point_world)?;
+        whole.tiles.iter().rposition(|tile| tile.contains(uv))
     }
 }
 
@@ -189,6 +269,7 @@ mod tests {
             maps: vec![map(10.0, 8.0), map(30.0, 25.0), map(100.0, 90.0)],
             selection,
             distance: 90.0,
+            virtual_map: None,
         }
     }
 
@@ -235,6 +316,47 @@ mod tests {
             "the chosen cascade does not hold it"
         );
         assert_eq!(maps.select(DVec3::X * 5.0, 40.0), Some(2));
+    }
+
+    /// The map of 100 m in one coarse tile, of which a quarter was refined.
+    #[test]
+    fn virtual_maps_take_the_last_tile() {
+        let whole = maps(Selection::Depth).maps[2];
+        let counts = UVec2::splat(2);
+        let fine = Tile {
+            place: UVec2::new(1, 0),
+            counts,
+        };
+        let tiles = vec![Tile::WHOLE, fine];
+        let window = TileWindow::of_size(UVec2::splat(64), 0);
+        let found = LightMaps {
+            maps: tiles
+                .iter()
+                .map(|tile| LightMap {
+                    clip_from_world: tile.clip_from_world(&whole.clip_from_world, &window),
+                    size: window.size,
+                    ..whole
+                })
+                .collect(),
+            selection: Selection::LastTile,
+            distance: 90.0,
+            virtual_map: Some(WholeMap {
+                map: whole,
+                tiles,
+                texels: 9000,
+            }),
+        };
+        // Right is +x, the upper rows are those of smaller z: clip y goes up as z falls.
+        assert_eq!(found.select(DVec3::new(50.0, 0.0, -50.0), 1.0), Some(1));
+        assert_eq!(found.select(DVec3::new(-50.0, 0.0, -50.0), 1.0), Some(0));
+        assert_eq!(found.select(DVec3::new(50.0, 0.0, 50.0), 1.0), Some(0));
+        assert_eq!(found.select(DVec3::X * 101.0, 1.0), None);
+        assert_eq!(found.texels(), 9000);
+        let texel = found.maps[1].texel(DVec3::new(50.0, 0.0, -50.0));
+        assert!(
+            (texel - 32.0).abs().max_element() < 1e-9,
+            "the middle of the fine tile: {texel}"
+        );
     }
 
     #[test]

@@ -11,6 +11,7 @@
 //!             └─► plan:  bins of the phase, buffers                                          caster::plan
 //!             └─► cull and draw all light views into the atlas                               caster::pass
 //!             └─► apply: shadow result of every pixel                                        apply
+//!                 or, for virtual maps, in place of both: tile by tile                       virtual_map
 //!             └─► history: the same, blended with the frame before, if asked for         history
 //!             └─► blur:  the same, to and fro, if asked for                                  blur
 //!             └─► bridge: result ──► the sun's extra shadow layer                            bridge
@@ -43,6 +44,7 @@ pub mod mask;
 pub mod reference;
 mod shaders;
 pub mod spans;
+pub mod virtual_map;
 
 use bevy::{
     app::PluginGroupBuilder,
@@ -99,6 +101,7 @@ impl Plugin for RenderPlugin {
             caster::CasterPlugin,
             depth_range::DepthRangePlugin,
             apply::ApplyPlugin,
+            virtual_map::VirtualMapPlugin,
             history::HistoryPlugin,
             blur::BlurPlugin,
             drop_in::DropInPlugin,

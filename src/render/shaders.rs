@@ -20,7 +20,7 @@ macro_rules! embed_shader {
 }
 
 /// Modules that others import: loaded once and kept for the life of the app.
-const LIBRARIES: [&str; 7] = [
+const LIBRARIES: [&str; 9] = [
     "types.wgsl",
     "spaces.wgsl",
     "bias.wgsl",
@@ -28,6 +28,8 @@ const LIBRARIES: [&str; 7] = [
     "selection.wgsl",
     "filter.wgsl",
     "depth_offset.wgsl",
+    "visibility.wgsl",
+    "virtual_map/needs.wgsl",
 ];
 
 /// The lookup that [`bridge`](super::bridge) appends to Bevy's shadow module.
@@ -48,6 +50,7 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "selection.wgsl");
     embed_shader!(registry, "filter.wgsl");
     embed_shader!(registry, "depth_offset.wgsl");
+    embed_shader!(registry, "visibility.wgsl");
     embed_shader!(registry, "apply/apply_views.wgsl");
     embed_shader!(registry, "blur/eye_blur.wgsl");
     embed_shader!(registry, "bridge/write_layer.wgsl");
@@ -56,6 +59,12 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "depth_range/reduce_depths.wgsl");
     embed_shader!(registry, "history/blend_history.wgsl");
     embed_shader!(registry, "heat_map/texel_ratio.wgsl");
+    embed_shader!(registry, "virtual_map/apply_tile.wgsl");
+    embed_shader!(registry, "virtual_map/show_tiles.wgsl");
+    embed_shader!(registry, "virtual_map/needs.wgsl");
+    embed_shader!(registry, "virtual_map/collect_needs.wgsl");
+    embed_shader!(registry, "virtual_map/map_needs.wgsl");
+    embed_shader!(registry, "virtual_map/show_needs.wgsl");
     let server = app.world().resource::<AssetServer>();
     let handles = LIBRARIES.iter().map(|name| load(server, name)).collect();
     app.insert_resource(ShaderLibraries(handles));

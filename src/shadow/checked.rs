@@ -9,6 +9,7 @@ use super::{
     measured::MeasuredDepths,
     settings::{Faces, MapResolution, SeamWidth, Seams, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows},
     stable::Stability,
+    virtual_maps,
 };
 use crate::maths::{split::SplitScheme, warp::Warp};
 
@@ -84,6 +85,17 @@ pub enum Correction {
         "SunShadows::filter: taps must be 8 to 64, radius 0 to 2 m, the sun's diameter 0 to 10 degrees: the nearest are used"
     )]
     Filter,
+    /// `maps` on the drop-in path.
+    #[error("SunShadows::maps: virtual maps need the full path: partitions are used")]
+    DropInVirtual,
+    /// `maps`.
+    #[error(
+        "SunShadows::maps: a number of tiles, a size, a threshold or the memory is out of range: the nearest is used"
+    )]
+    VirtualNumbers,
+    /// `store` of virtual maps.
+    #[error("SunShadows::store: virtual maps hold one surface: the nearest is used")]
+    VirtualStore,
     /// `blur`.
     #[error("SunShadows::blur: iterations must be 0 to 16 and full_depth more than 0: the nearest, or 10 m, are used")]
     Blur,
@@ -114,6 +126,18 @@ pub const TAPS: RangeInclusive<u32> = 8..=64;
 pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
     let mut settings = settings.clone();
     let mut corrections = Vec::new();
+    let wrong = virtual_maps::check(&mut settings);
+    let kinds = [
+        (wrong.path, Correction::DropInVirtual),
+        (wrong.numbers, Correction::VirtualNumbers),
+        (wrong.store, Correction::VirtualStore),
+    ];
+    corrections.extend(
+        kinds
+            .into_iter()
+            .filter(|(is_wrong, _)| *is_wrong)
+            .map(|(_, kind)| kind),
+    );
     let is_drop_in = settings.path == ShadowPath::DropIn;
     if is_drop_in && !is_for_drop_in(&settings) {
         settings.partitions.faces = Faces::Together;

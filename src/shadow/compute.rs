@@ -139,7 +139,11 @@ struct Fitter<'a> {
 impl Fitter<'_> {
     fn partition(&self, part: Part, rect: UVec4, held: &mut Option<HeldMap>) -> PartitionView {
         let slice = &part.slice;
-        let light_view = match self.stable_fit(&part, rect.zw(), held) {
+        let size = match self.settings.maps.texels_per_axis() {
+            Some(texels) => UVec2::splat(texels),
+            None => rect.zw(),
+        };
+        let light_view = match self.stable_fit(&part, size, held) {
             Some(fit) => LightView {
                 caster_depth_bias: self.caster_depth_bias(&fit),
                 ..light_view(&fit, &part, rect)
@@ -148,6 +152,7 @@ impl Fitter<'_> {
         };
         PartitionView {
             split_frustum: slice.corners(slice.near(), slice.far()).map(|corner| corner.as_vec3()),
+            visible: part.visible,
             body: part.body,
             light_view,
         }
@@ -196,6 +201,10 @@ impl Fitter<'_> {
         let size = self.settings.map_size;
         let most = self.settings.partitions.maps();
         let slots = parts.iter().map(|part| part.slot);
+        if self.settings.maps.is_virtual() {
+            // Tiles have textures of their own.
+            return AtlasLayout::equal(1, 1, slots);
+        }
         match (self.settings.path, self.settings.partitions.resolution) {
             (ShadowPath::DropIn, _) => AtlasLayout::equal(size, 1, slots.map(|_| 0)),
             (ShadowPath::Full, MapResolution::Equal) => AtlasLayout::equal(size, most, slots),

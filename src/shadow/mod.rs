@@ -15,6 +15,7 @@ use bevy::{
 pub mod checked;
 pub mod compute;
 pub mod drop_in;
+pub mod fitted;
 pub mod full;
 pub mod gizmos;
 pub mod layout;
@@ -29,6 +30,7 @@ pub mod technique;
 pub mod timing;
 pub mod view_volume;
 pub mod views;
+pub mod virtual_maps;
 
 /// Computes the light views of all suns with [`SunShadows`](settings::SunShadows) and hands them to Bevy's cascades.
 ///

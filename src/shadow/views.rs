@@ -37,6 +37,8 @@ pub struct LightView {
 pub struct PartitionView {
     /// Corners of the slice of the view frustum that it lies in, in world space: near bottom left, bottom right, top right, top left, then far.
     pub split_frustum: [Vec3; 8],
+    /// What the camera sees of the receivers in it: H in world space.
+    pub visible: Polytope,
     /// The intersection body B in world space.
     pub body: Polytope,
     /// Its light view.

@@ -36,6 +36,7 @@ pub(crate) fn lookup(plane: ReceiverPlane, offset: DepthOffset) -> Lookup {
     Lookup {
         plane,
         rect: Vec4::new(128.0, 64.0, SIZE, SIZE),
+        bounds: Vec4::new(0.0, 0.0, SIZE - 1.0, SIZE - 1.0),
         offset: offset.depth,
         follows_plane: offset.follows_plane,
     }

@@ -11,6 +11,8 @@ const BIAS: &str = include_str!("../../shaders/bias.wgsl");
 const SURFACE: &str = include_str!("../../shaders/surface.wgsl");
 const DEPTH_OFFSET: &str = include_str!("../../shaders/depth_offset.wgsl");
 const FILTER: &str = include_str!("../../shaders/filter.wgsl");
+const SELECTION: &str = include_str!("../../shaders/selection.wgsl");
+const VISIBILITY: &str = include_str!("../../shaders/visibility.wgsl");
 const EYE_BLUR: &str = include_str!("../../shaders/blur/eye_blur.wgsl");
 
 /// What the imported modules of the engine declare, as far as it is used.
@@ -33,8 +35,7 @@ struct FullscreenVertexOutput {
 fn compose(modules: &[&str]) -> naga::Module {
     let source: String = modules
         .iter()
-        .flat_map(|module| module.lines())
-        .filter(|line| !line.starts_with('#'))
+        .flat_map(|module| without_directives(module))
         .map(|line| format!("{line}\n"))
         .collect();
     let module = parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
@@ -43,6 +44,30 @@ fn compose(modules: &[&str]) -> naga::Module {
         .validate(&module)
         .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
     module
+}
+
+/// Lines of a module besides those for the preprocessor; imports may have many lines. Conditional parts stay.
+fn without_directives(module: &str) -> Vec<&str> {
+    let mut is_in_import = false;
+    let is_kept = |line: &&str| {
+        let is_directive = line.starts_with('#') || is_in_import;
+        is_in_import = (line.starts_with("#import") && line.ends_with('{')) || (is_in_import && !line.starts_with('}'));
+        !is_directive
+    };
+    module.lines().filter(is_kept).collect()
+}
+
+#[test]
+fn passes_compile_with_what_they_import() {
+    let library = [ENGINE, TYPES, SPACES, BIAS, SURFACE, DEPTH_OFFSET, FILTER, SELECTION];
+    for pass in [
+        [VISIBILITY, include_str!("../../shaders/apply/apply_views.wgsl")],
+        [VISIBILITY, include_str!("../../shaders/virtual_map/apply_tile.wgsl")],
+        ["", include_str!("../../shaders/virtual_map/show_tiles.wgsl")],
+    ] {
+        let module = compose(&[&library[..], &pass].concat());
+        assert_eq!(module.entry_points.len(), 1, "one pass");
+    }
 }
 
 fn functions(module: &naga::Module) -> Vec<String> {
@@ -134,5 +159,58 @@ fn constants_agree() {
             let strip = |source: &str| constant(&source.replace("u32 = 16u", "u32 = 16"), name);
             assert_eq!(strip(rust), strip(shader), "{name}");
         }
+    }
+}
+
+/// A source without the lines that its definitions leave out.
+fn with_definitions(source: &str, definitions: &[&str]) -> String {
+    let mut is_taken = vec![true];
+    let mut lines = String::new();
+    for line in source.lines() {
+        if let Some(name) = line.strip_prefix("#ifdef ") {
+            is_taken.push(definitions.contains(&name));
+        } else if line == "#else" {
+            let last = is_taken.pop().expect("an #else belongs to an #ifdef");
+            is_taken.push(!last);
+        } else if line == "#endif" {
+            is_taken.pop();
+        } else if is_taken.iter().all(|taken| *taken) {
+            lines += line;
+            lines += "\n";
+        }
+    }
+    assert_eq!(is_taken, [true], "every #ifdef ends");
+    lines
+}
+
+#[test]
+fn needs_compile_with_the_functions_of_their_twins() {
+    const NEEDS: &str = include_str!("../../shaders/virtual_map/needs.wgsl");
+    const COLLECT: &str = include_str!("../../shaders/virtual_map/collect_needs.wgsl");
+    const MAP: &str = include_str!("../../shaders/virtual_map/map_needs.wgsl");
+    const SHOW: &str = include_str!("../../shaders/virtual_map/show_needs.wgsl");
+    let mapping = include_str!("../../src/maths/virtual_map/mapping.rs");
+    for (source, definitions) in [
+        (COLLECT, &[][..]),
+        (COLLECT, &["HISTOGRAM"]),
+        (MAP, &[]),
+        (MAP, &["BYTES"]),
+        (SHOW, &[]),
+    ] {
+        let source = with_definitions(source, definitions);
+        let module = compose(&[ENGINE, TYPES, SPACES, SURFACE, NEEDS, &source]);
+        let names = functions(&module);
+        for name in [
+            "picked_slope",
+            "need_level",
+            "listed_extent",
+            "depth_of_linear",
+            "dilated_need",
+        ] {
+            assert!(names.iter().any(|known| known == name), "no {name} in {names:?}");
+        }
+    }
+    for name in ["picked_slope", "need_level", "listed_extent"] {
+        assert!(mapping.contains(&format!("fn {name}(")), "no twin of {name}");
     }
 }

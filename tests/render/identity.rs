@@ -101,7 +101,7 @@ struct Stock {
 }
 
 /// Ground, casters of three meshes and three materials (one with holes), and a skinned box.
-fn scene(harness: &mut Harness, casters: usize) {
+pub(crate) fn scene(harness: &mut Harness, casters: usize) {
     let materials = [
         harness.material(Color::srgb(0.7, 0.3, 0.2)),
         harness.material(StandardMaterial {

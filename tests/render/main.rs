@@ -2,6 +2,8 @@
 
 mod blur;
 mod depth_range;
+mod fitted;
+mod fitted_needs;
 mod guard;
 mod harness;
 mod heat_map;
@@ -15,3 +17,4 @@ mod softness;
 mod stability;
 mod stable_maps;
 mod truth;
+mod virtual_map;

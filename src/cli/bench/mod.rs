@@ -95,7 +95,7 @@ fn measure_all(app: &mut App, args: &BenchArgs, bar: &ProgressBar) -> Result<Rep
         if block.is_first {
             let report = &mut reports[block.technique];
             report.settings = stats::settings_of(app, &technique.technique);
-            report.maps = stats::maps_of(app, sun, &technique.technique);
+            report.maps = stats::maps_of(app, sun, stage.camera(), &technique.technique);
             report.casters = stats::count_casters(app);
         }
     }

@@ -124,6 +124,13 @@ impl Report {
                     row.scene, row.shot, row.technique, found.without_map
                 );
             }
+            if let Some(percent) = row.capped_percent.filter(|percent| *percent > 0.0) {
+                let _ = writeln!(
+                    text,
+                    "\n{} {}, `{}`: {percent:.3} % of the pixels need more than the finest tiles.",
+                    row.scene, row.shot, row.technique
+                );
+            }
         }
     }
 

@@ -171,6 +171,9 @@ impl Judge {
             scene: (*scene).to_owned(),
             shot: shot.name.clone(),
             technique: technique.text.clone(),
+            capped_percent: shoot::virtual_map::report_of(app, judged.camera)
+                .and_then(|report| report.fitted)
+                .map(|counts| counts.capped_percent()),
             truth: file_name(scene, &shot.name, "truth", "mask"),
             difference: file_name(scene, &shot.name, &technique.text, "difference"),
             ..truth.row(&mask.bytes, &maps, judged.texels_drawn)

@@ -88,6 +88,8 @@ pub(super) struct Row {
     pub(super) band: Errors,
     /// Absent where no valid pixel has a map.
     pub(super) texel_pixel: Option<TexelPixel>,
+    /// Pixels that need more than the finest tiles of a fitted map; absent for other maps.
+    pub(super) capped_percent: Option<f64>,
     pub(super) texels: Texels,
     pub(super) confirmation: Confirmation,
     /// What perfectly spread texels would get wrong; empty unless asked for.

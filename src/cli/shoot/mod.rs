@@ -3,6 +3,7 @@
 mod sheet;
 pub(super) mod stage;
 pub(super) mod stats;
+pub(super) mod virtual_map;
 
 use std::{
     collections::{BTreeMap, HashSet},
@@ -252,8 +253,9 @@ impl Session<'_> {
             frame_ms: FrameTimes::new(&settled.seconds),
             pass_ms: settled.pass_ms,
             casters: stats::count_casters(app),
-            maps: stats::maps_of(app, sun, &technique.technique),
+            maps: stats::maps_of(app, sun, stage.camera(), &technique.technique),
             light_views: stats::views_of(app, sun, stage.camera(), &technique.technique),
+            virtual_map: virtual_map::stats_of(app, stage.camera()),
         };
         let mut texels: Vec<_> = shaded.into_iter().zip(settled.texels).collect();
         if let Some(judge) = &mut self.judge {

@@ -13,6 +13,8 @@ use bevy::{
 use serde::Serialize;
 use wgpu::DeviceType;
 
+use super::virtual_map::{self, VirtualMapStats};
+
 use crate::{
     level::shot::Shot,
     render::caster::drawn,
@@ -91,6 +93,9 @@ pub(in crate::cli) struct Take {
     pub(in crate::cli) maps: Maps,
     /// Light views, near to far.
     pub(in crate::cli) light_views: Vec<View>,
+    /// The tiles of a virtual map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(in crate::cli) virtual_map: Option<VirtualMapStats>,
 }
 
 /// Times of whole frames.
@@ -179,16 +184,16 @@ pub(in crate::cli) fn pass_samples(app: &App) -> Vec<(String, Processor, Vec<f64
 /// Memory of shadow maps: 32-bit depth.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub(in crate::cli) struct Maps {
-    /// Maps of the technique; of face partitions as many as the light may need.
-    count: u32,
-    /// Texels per side of each; on average, where they are balanced.
-    size: u32,
+    /// Maps of the technique; of face partitions as many as the light may need, of a virtual map its tiles.
+    pub(super) count: u32,
+    /// Texels per side of each; on average, where they are balanced; of a virtual map as a whole at its finest tile.
+    pub(super) size: u32,
     /// Texels per side of the fallback map; 0: none.
-    fallback_size: u32,
+    pub(super) fallback_size: u32,
     /// Texels of all of them: what a frame clears and draws into.
     pub(in crate::cli) texels: u64,
-    /// Bytes of all of them.
-    bytes: u64,
+    /// Bytes of all of them that are alive at once.
+    pub(super) bytes: u64,
 }
 
 impl Maps {
@@ -264,7 +269,7 @@ fn bevy_map_size(world: &World) -> u32 {
 }
 
 /// The maps of a technique.
-pub(in crate::cli) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> Maps {
+pub(in crate::cli) fn maps_of(app: &App, sun: Entity, camera: Entity, technique: &Technique) -> Maps {
     let bevy_size = bevy_map_size(app.world());
     match technique {
         Technique::Bevy(_) => {
@@ -276,6 +281,9 @@ pub(in crate::cli) fn maps_of(app: &App, sun: Entity, technique: &Technique) -> 
             let (settings, _) = checked(settings);
             let has_fallback = settings.path == ShadowPath::Full && settings.fallback_map;
             let fallback_size = if has_fallback { bevy_size } else { 0 };
+            if let Some(report) = virtual_map::report_of(app, camera) {
+                return virtual_map::maps_of(&report, fallback_size);
+            }
             let count = settings.partitions.maps();
             let maps = match settings.partitions.resolution {
                 MapResolution::Equal => Maps::new(count, settings.map_size, fallback_size),
@@ -321,8 +329,15 @@ pub(in crate::cli) fn render_entity(app: &App, entity: Entity) -> Option<Entity>
 pub(in crate::cli) fn views_of(app: &App, sun: Entity, camera: Entity, technique: &Technique) -> Vec<View> {
     let world = app.world();
     let mut views = matrices_of(world, sun, camera, technique);
-    for (view, count) in views.iter_mut().zip(casters_drawn(app, sun, camera, technique)) {
-        view.casters_drawn = count;
+    let counts = casters_drawn(app, sun, camera, technique);
+    match &mut views[..] {
+        // All tiles are of one light view.
+        [view] => view.casters_drawn = counts.iter().sum(),
+        views => {
+            for (view, count) in views.iter_mut().zip(counts) {
+                view.casters_drawn = count;
+            }
+        }
     }
     views
 }

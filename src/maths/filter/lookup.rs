@@ -11,6 +11,8 @@ pub struct Lookup {
     pub plane: ReceiverPlane,
     /// The map's cell of the atlas in texels: x, y, width, height.
     pub rect: Vec4,
+    /// First and last texel of the map that taps may read: x, y each.
+    pub bounds: Vec4,
     /// How much nearer to the light than the receiver a caster must be, in depth.
     pub offset: f32,
     /// Whether every tap compares with the receiver's plane at its own texel, or all with the receiver's own depth.
@@ -34,9 +36,9 @@ pub fn receiver_depth(lookup: &Lookup, tap: Vec2) -> f32 {
     receiver
 }
 
-/// The depth that a texel of the map holds. Taps beside the map read its border, never a neighbour's cell.
+/// The depth that a texel of the map holds. Taps beside its bounds read their border, never a neighbour's cell.
 pub fn stored_depth(atlas: &impl Fn(IVec2) -> f32, lookup: &Lookup, tap: Vec2) -> f32 {
-    atlas((lookup.rect.xy() + tap.clamp(Vec2::ZERO, lookup.rect.zw() - 1.0)).as_ivec2())
+    atlas((lookup.rect.xy() + tap.clamp(lookup.bounds.xy(), lookup.bounds.zw())).as_ivec2())
 }
 
 /// One comparison: 1 lit, 0 in shadow. Reverse z: larger is nearer to the light.

@@ -121,21 +121,32 @@ impl NeedGrid {
             });
         });
         let discarded = collector.discard(&mut cells);
-        for cell in &mut cells {
-            cell.rect = cell.rect.grown(options.rect_guard, map.picture);
-            if let (0, Some(level)) = (cell.pixels, options.floor_level) {
-                *cell = NeedCell {
-                    levels: [level.min(MAX_LEVEL); 2],
-                    pixels: 1,
-                    rect: PixelRect::whole(map.picture),
-                };
-            }
-        }
+        finish(&mut cells, map.picture, options);
         Self {
             levels: pyramid(cells, n),
             histogram,
             discarded,
         }
+    }
+
+    /// A grid of cells that the GPU has collected, row by row, with as many histograms if pixels are to be discarded;
+    /// guard, discard rule and floor as in [`Self::new`]. [`Self::discarded`] is an upper bound: pixels that are extreme on
+    /// both axes count twice. `None` where [`Self::from_cells`] is.
+    pub fn collected(
+        mut cells: Vec<NeedCell>,
+        histograms: &[Histogram],
+        picture: UVec2,
+        options: &GridOptions,
+    ) -> Option<Self> {
+        let mut discarded = 0;
+        for (cell, histogram) in cells.iter_mut().zip(histograms) {
+            discarded += lower(cell, histogram, options.discard_fraction);
+        }
+        finish(&mut cells, picture, options);
+        Some(Self {
+            discarded,
+            ..Self::from_cells(cells)?
+        })
     }
 
     /// A grid of given cells, row by row; n = √count must be a power of two. `None` otherwise.
@@ -191,6 +202,40 @@ fn pyramid(cells: Vec<NeedCell>, n: u32) -> Vec<Vec<NeedCell>> {
     }
     levels.reverse();
     levels
+}
+
+/// Lowers the levels of a cell to the least that leave at most the allowed share of its pixels above them, by axis.
+/// Returns the pixels above, summed over the axes. NaN allows none.
+fn lower(cell: &mut NeedCell, histogram: &Histogram, fraction: f64) -> u32 {
+    let allowed = (f64::from(cell.pixels) * fraction.clamp(0.0, 1.0)).floor() as u32;
+    let mut discarded = 0;
+    for axis in 0..2 {
+        let mut above = 0;
+        while cell.levels[axis] > 0 {
+            let more = histogram[axis][usize::from(cell.levels[axis].min(MAX_LEVEL))];
+            if above + more > allowed {
+                break;
+            }
+            above += more;
+            cell.levels[axis] -= 1;
+        }
+        discarded += above;
+    }
+    discarded
+}
+
+/// Guards rectangles and fills cells without pixels, as the options say.
+fn finish(cells: &mut [NeedCell], picture: UVec2, options: &GridOptions) {
+    for cell in cells {
+        cell.rect = cell.rect.grown(options.rect_guard, picture);
+        if let (0, Some(level)) = (cell.pixels, options.floor_level) {
+            *cell = NeedCell {
+                levels: [level.min(MAX_LEVEL); 2],
+                pixels: 1,
+                rect: PixelRect::whole(picture),
+            };
+        }
+    }
 }
 
 struct Collector<'a> {
@@ -266,17 +311,7 @@ impl Collector<'_> {
             });
         });
         for (cell, histogram) in cells.iter_mut().zip(&histograms) {
-            let allowed = (f64::from(cell.pixels) * fraction).floor() as u32;
-            for axis in 0..2 {
-                let mut above = 0;
-                while cell.levels[axis] > 0 {
-                    above += histogram[axis][usize::from(cell.levels[axis])];
-                    if above > allowed {
-                        break;
-                    }
-                    cell.levels[axis] -= 1;
-                }
-            }
+            lower(cell, histogram, fraction);
         }
         let mut discarded = 0;
         self.each(|_, texel| {

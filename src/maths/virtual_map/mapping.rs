@@ -32,11 +32,10 @@
 //!
 //! # On the GPU
 //!
-//! `mapping(depth: texture_depth_2d, view: uniform { map_from_picture: mat4x4, … }, cells: storage array<NeedCell,
-//! atomic>)`, 8 × 8, one invocation per picture pixel: patch, need, then `atomicMax(need_x, need_y)`,
-//! `atomicMin/Max(rect)`, `atomicAdd(pixels, histogram)` into the cell of the position
-//! ([`NeedGrid`](super::grid::NeedGrid)), reduced in workgroup memory by cell first. The low-resolution form writes
-//! `MappingTexel` per invocation to a storage texture (`rgba8unorm` for the thesis's bytes) that is read back.
+//! `collect_needs.wgsl`, 8 × 8, one invocation per picture pixel: patch, need, then maxima of needs and rectangle and a count
+//! by atomics into the cell of the position ([`NeedGrid`](super::grid::NeedGrid)). A maximum is read before it is raised:
+//! most pixels raise none. The low-resolution form, `map_needs.wgsl`, writes a [`MappingTexel`] per invocation to a buffer
+//! that is read back, or the thesis's four bytes.
 
 use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2, Vec2};
 
@@ -50,7 +49,8 @@ use super::{
 pub const MAX_LEVEL: u8 = 31;
 
 /// How a patch becomes a need.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum NeedMeasure {
     /// Sides of a texel at most one pixel long: exact whatever the orientation.
     #[default]
@@ -64,7 +64,8 @@ pub enum NeedMeasure {
 
 /// Which of the two neighbours on an axis gives the slope of a patch. The thesis says both (section 5.5: larger; 5.6
 /// and the listing: smaller).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum NeighbourPick {
     /// The one that differs less in depth: the same surface at a silhouette. Safe.
     #[default]
@@ -294,6 +295,8 @@ enum Nothing {
 struct Sampler<'a> {
     picture: &'a DepthPicture<'a>,
     map_from_picture: DMat4,
+    /// Texels of the mapping map.
+    size: UVec2,
     /// Pixels per texel.
     ratio: DVec2,
     options: &'a MappingOptions,
@@ -309,6 +312,7 @@ impl<'a> Sampler<'a> {
         Self {
             picture,
             map_from_picture: *light_clip_from_world * *picture.world_from_clip(),
+            size,
             ratio: picture.size().as_dvec2() / size.as_dvec2(),
             options,
         }
@@ -330,8 +334,8 @@ impl<'a> Sampler<'a> {
     }
 
     fn texel(&self, place: UVec2) -> Result<MappingTexel, Nothing> {
-        // The middle pixel: 4 i + 2 of four, whose centre is that of no texel.
-        let pixel = ((place.as_dvec2() + 0.5) * self.ratio).as_uvec2();
+        // The middle pixel: 4 i + 2 of four, whose centre is that of no texel. In whole numbers, as the shader has it.
+        let pixel = (2 * place + 1) * self.picture.size() / (2 * self.size);
         let depth = self.picture.depth(pixel).ok_or(Nothing::Empty)?;
         let step = if self.options.wide_steps {
             self.ratio.round().as_uvec2().max(UVec2::ONE)

@@ -8,7 +8,9 @@ use bevy_math::UVec2;
 use super::{
     fitted::{FittedMap, FittedPlan},
     grid::NeedGrid,
+    queried::QueriedMap,
     tile::TileWindow,
+    tiled::{MAX_TILES_PER_AXIS, TiledMap},
 };
 
 /// Bytes of a texel of 32-bit depth.
@@ -19,6 +21,7 @@ pub const DEFAULT_BUDGET: u64 = 64 << 20;
 
 /// Which texture shows a tile of w × h texels; in the order of the thesis's numbers 0 to 3.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum TextureMode {
     /// 0: the largest texture, filled: every tile is drawn with s_max² texels.
     Full,
@@ -155,5 +158,39 @@ impl FittedMap {
             let waves = plan.waves(mode, map.largest_texture(), budget_bytes);
             waves.is_ok_and(|waves| waves.waves.len() <= 1).then_some(plan)
         })
+    }
+}
+
+impl TiledMap {
+    /// This map with tiles small enough that one texture fits a budget, and as many more of them as keep the resolution:
+    /// the side of the texture halves, n doubles. Where n is at its limit, the resolution falls. Tiles of one texel always
+    /// fit.
+    pub fn within(&self, budget_bytes: u64) -> Self {
+        let mut map = *self;
+        while map.window.texels() * BYTES_PER_TEXEL > budget_bytes && map.window.size.max_element() > 1 {
+            map.window = TileWindow::of_size(map.window.size / 2, map.window.margin);
+            map.tiles_per_axis = (map.tiles_per_axis * 2).min(MAX_TILES_PER_AXIS);
+        }
+        map
+    }
+}
+
+impl QueriedMap {
+    /// These settings with textures small enough that one of each size fits a budget, larger ones being used in their
+    /// corner for smaller tiles. First s_max halves, down to s; then s halves with it and ξ_max doubles, so that the
+    /// finest resolution stays.
+    pub fn within(&self, budget_bytes: u64) -> Self {
+        let mut map = *self;
+        let bytes = |map: &Self| u64::from(map.tile_size_max.max(map.tile_size)).pow(2) * BYTES_PER_TEXEL;
+        while bytes(&map) > budget_bytes && map.tile_size > 1 {
+            if map.tile_size_max > map.tile_size {
+                map.tile_size_max = (map.tile_size_max / 2).max(map.tile_size);
+            } else {
+                map.tile_size /= 2;
+                map.tile_size_max = map.tile_size;
+                map.max_tiles_per_axis = map.max_tiles_per_axis.saturating_mul(2);
+            }
+        }
+        map
     }
 }

@@ -76,6 +76,7 @@ pub mod mapping;
 pub mod memory;
 pub mod picture;
 pub mod queried;
+pub mod reach;
 mod thrift;
 pub mod tile;
 pub mod tiled;

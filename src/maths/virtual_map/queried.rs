@@ -33,6 +33,7 @@ use super::{picture::PixelRect, tile::Tile};
 
 /// When a tile is worth refining.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum ChangeThreshold {
     /// More changed pixels than this, for a picture of 1024² pixels; scaled with the picture's area. η_min of the
     /// thesis: 300 for quality, 2500 for speed.
@@ -44,6 +45,7 @@ pub enum ChangeThreshold {
 
 /// How a tile is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum Splitting {
     /// 2 × 2.
     Quad,
@@ -55,6 +57,7 @@ pub enum Splitting {
 
 /// The exponent of the opportunity jump: how many steps of refinement a larger texture is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum JumpExponent {
     /// `tile_size_max` ÷ `tile_size`, as printed in section 4.4.2.
     Ratio,
@@ -66,6 +69,7 @@ pub enum JumpExponent {
 
 /// Opportunity jump (section 4.4.2): use the largest texture if counts are expected to fall below the threshold anyway.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub struct OpportunityJump {
     /// f: the factor by which the count is assumed to fall with each step; 1/2 is careful, 1/4 good, 1/8 bold.
     pub decay: f64,
@@ -75,6 +79,7 @@ pub struct OpportunityJump {
 
 /// Settings of a queried map.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub struct QueriedMap {
     /// Split above this.
     pub threshold: ChangeThreshold,
@@ -263,6 +268,17 @@ impl QueriedMap {
     /// Refines level by level. `apply` draws a tile, applies it within its rectangle and reports; it is called in the
     /// order of the result. The same reports give the same tiles.
     pub fn refine(&self, picture: UVec2, mut apply: impl FnMut(&QueriedTile) -> TileReport) -> Refinement {
+        self.refine_levels(picture, |tiles| tiles.iter().map(&mut apply).collect())
+    }
+
+    /// The same with all tiles of a level at once, as a GPU wants them: `apply` returns their reports in their order.
+    /// The last call has the jumps, if there are any: tiles without a decision, which need no counting. Missing reports
+    /// count as [`TileReport::EMPTY`].
+    pub fn refine_levels(
+        &self,
+        picture: UVec2,
+        mut apply: impl FnMut(&[QueriedTile]) -> Vec<TileReport>,
+    ) -> Refinement {
         let picture_pixels = u64::from(picture.x) * u64::from(picture.y);
         let ordinary = |tile: Tile, rect: PixelRect| QueriedTile {
             tile,
@@ -275,9 +291,10 @@ impl QueriedMap {
         let mut jumps = Vec::new();
         let mut level = vec![ordinary(Tile::WHOLE, PixelRect::whole(picture))];
         while !level.is_empty() {
-            for tile in &mut level {
-                tile.report = apply(tile);
-                tile.decision = Some(self.decide(&tile.tile, &tile.report, picture_pixels));
+            let reports = apply(&level);
+            for (tile, report) in level.iter_mut().zip(reports) {
+                tile.report = report;
+                tile.decision = Some(self.decide(&tile.tile, &report, picture_pixels));
             }
             refinement.dropped += self.drop_excess(&mut level);
             let mut next = Vec::new();
@@ -300,8 +317,11 @@ impl QueriedMap {
             refinement.tiles.append(&mut level);
             level = next;
         }
-        for jump in &mut jumps {
-            jump.report = apply(jump);
+        if !jumps.is_empty() {
+            let reports = apply(&jumps);
+            for (jump, report) in jumps.iter_mut().zip(reports) {
+                jump.report = report;
+            }
         }
         refinement.jumps = jumps.len();
         refinement.tiles.append(&mut jumps);

@@ -4,6 +4,7 @@ use super::{fitted::FittedPlan, picture::PixelRect};
 
 /// How semitransparent surfaces are shadowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "render", derive(bevy::reflect::Reflect))]
 pub enum TransparentShadows {
     /// Drawn afterwards, lit: they glow a little in the shade.
     Unshadowed,

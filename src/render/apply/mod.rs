@@ -58,7 +58,7 @@ struct ApplyPipeline {
 
 /// On a camera's render entity: the uniform of its apply pass.
 #[derive(Component)]
-pub struct ApplyUniform(UniformBuffer<ApplyParameters>);
+pub struct ApplyUniform(pub UniformBuffer<ApplyParameters>);
 
 fn init_apply_pipeline(
     mut commands: Commands,
@@ -103,7 +103,10 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
     for (index, (target, light_view)) in light_views.iter_mut().zip(&sun.light_views).enumerate() {
         *target = GpuLightView {
             clip_from_world: light_view.clip_from_world,
-            atlas_rect: atlas.rect(index).as_vec4(),
+            atlas_rect: match sun.settings.maps.texels_per_axis() {
+                Some(texels) => Vec4::new(0.0, 0.0, texels as f32, texels as f32),
+                None => atlas.rect(index).as_vec4(),
+            },
             depth_range: Vec2::new(light_view.near_depth, light_view.far_depth),
             seam_depth: light_view.seam_depth,
             padding: 0.0,
@@ -189,13 +192,17 @@ fn apply_views(
         &ApplyUniform,
         &ViewPrepassTextures,
         &ViewUniformOffset,
+        &ExtractedSun,
     )>,
     pipeline: Res<ApplyPipeline>,
     cache: Res<PipelineCache>,
     (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
     mut ctx: RenderContext,
 ) {
-    let (camera, atlas, result, uniform, prepass, view_offset) = view.into_inner();
+    let (camera, atlas, result, uniform, prepass, view_offset, sun) = view.into_inner();
+    if sun.settings.maps.is_virtual() {
+        return;
+    }
     let (Some(render_pipeline), Some(depth), Some(view_binding), Some(parameters)) = (
         cache.get_render_pipeline(pipeline.id),
         prepass.depth_view(),

@@ -52,7 +52,7 @@ pub struct CasterStatistics(pub bevy::ecs::entity::EntityHashMap<CasterCounts>);
 /// Counts of one camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CasterCounts {
-    /// Light views drawn.
+    /// Light views drawn; tiles of a virtual map.
     pub light_views: u32,
     /// Bins: combinations of mesh, material and pipeline.
     pub bins: u32,

@@ -10,9 +10,10 @@ use bevy::{
         diagnostic::RecordDiagnostics,
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BufferInitDescriptor, BufferUsages,
-            CachedComputePipelineId, ComputePassDescriptor, ComputePipelineDescriptor, LoadOp, Operations,
-            PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor, ShaderStages, ShaderType, StoreOp,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, Buffer, BufferInitDescriptor,
+            BufferUsages, CachedComputePipelineId, ComputePassDescriptor, ComputePipelineDescriptor, LoadOp,
+            Operations, PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor, ShaderStages,
+            ShaderType, StoreOp,
             binding_types::{storage_buffer_read_only_sized, storage_buffer_sized},
             encase,
         },
@@ -46,6 +47,7 @@ pub fn init_cull_pipeline(mut commands: Commands, cache: Res<PipelineCache>, ser
                 storage_buffer_sized(false, None),
                 storage_buffer_sized(false, None),
                 storage_buffer_read_only_sized(false, None),
+                storage_buffer_sized(false, None),
             ),
         ),
     );
@@ -59,77 +61,92 @@ pub fn init_cull_pipeline(mut commands: Commands, cache: Res<PipelineCache>, ser
     commands.insert_resource(CullPipeline { layout, id });
 }
 
-/// Culls and draws the light views of the current camera, into one atlas or two.
+/// Culls the casters of a camera for some light views: fills the indirect draws of as many slots of its plan, from the
+/// first. Returns whether the slots can be drawn: not until pipeline and mesh uniforms exist, in the first frames.
+///
+/// `matrices`: `clip_from_world` of each, in a storage buffer. `first_counter`: where [`CasterPlan::drawn`] counts the
+/// first of them.
+pub(in crate::render) fn cull_casters(
+    world: &World,
+    ctx: &mut RenderContext,
+    plan: &CasterPlan,
+    matrices: &Buffer,
+    light_view_count: u32,
+    first_counter: u32,
+) -> bool {
+    let (Some((arguments, counts)), Some(drawn)) = (&plan.indirect, &plan.drawn) else {
+        return true;
+    };
+    let pipeline = world.resource::<CullPipeline>();
+    let cache = world.resource::<PipelineCache>();
+    let meshes = world
+        .resource::<BatchedInstanceBuffers<MeshUniform, MeshInputUniform>>()
+        .phase_instance_buffers
+        .get(&TypeId::of::<Caster>())
+        .and_then(|buffers| buffers.data_buffer.buffer());
+    let (Some(meshes), Some(compute)) = (meshes, cache.get_compute_pipeline(pipeline.id)) else {
+        return false;
+    };
+    let device = ctx.render_device().clone();
+    let parameters = CullParameters {
+        instance_total: plan.instance_total,
+        bin_count: plan.bins.len() as u32,
+        light_view_count,
+        first_counter,
+    };
+    let bins = storage_buffer(&device, "umbrage_caster_bins", &plan.bins);
+    let parameters = storage_buffer(&device, "umbrage_cull_parameters", &parameters);
+    let bind_group = device.create_bind_group(
+        "umbrage_cull_casters",
+        &cache.get_bind_group_layout(&pipeline.layout),
+        &BindGroupEntries::sequential((
+            meshes.as_entire_binding(),
+            bins.as_entire_binding(),
+            matrices.as_entire_binding(),
+            arguments.as_entire_binding(),
+            counts.as_entire_binding(),
+            parameters.as_entire_binding(),
+            drawn.as_entire_binding(),
+        )),
+    );
+    ctx.command_encoder().clear_buffer(counts, 0, None);
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let mut pass = ctx.command_encoder().begin_compute_pass(&ComputePassDescriptor {
+        label: Some("umbrage_cull_casters"),
+        timestamp_writes: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "umbrage_cull_casters");
+    pass.set_pipeline(compute);
+    pass.set_bind_group(0, &bind_group, &[]);
+    pass.dispatch_workgroups(plan.instance_total.div_ceil(WORKGROUP_SIZE), light_view_count, 1);
+    span.end(&mut pass);
+    true
+}
+
+/// Culls and draws the light views of the current camera, into one atlas or two. Virtual maps draw their tiles themselves.
 pub fn draw_casters(
     world: &World,
     view: ViewQuery<(&CasterViews, &CasterPlan, &ShadowAtlas, &ExtractedSun)>,
     phases: Res<ViewBinnedRenderPhases<Caster>>,
-    pipeline: Res<CullPipeline>,
-    cache: Res<PipelineCache>,
-    instance_buffers: Res<BatchedInstanceBuffers<MeshUniform, MeshInputUniform>>,
     mut ctx: RenderContext,
 ) {
     let (views, plan, atlas, sun) = view.into_inner();
     let Some(phase) = phases.get(&views.retained_master) else {
         return;
     };
-    let mut ready = true;
-    if let Some((arguments, counts)) = &plan.indirect {
-        let meshes = instance_buffers
-            .phase_instance_buffers
-            .get(&TypeId::of::<Caster>())
-            .and_then(|buffers| buffers.data_buffer.buffer());
-        // Until both exist (the first frames) the atlas is only cleared.
-        ready = false;
-        if let (Some(meshes), Some(compute)) = (meshes, cache.get_compute_pipeline(pipeline.id)) {
-            ready = true;
-            let device = ctx.render_device().clone();
-            let matrices: Vec<Mat4> = sun
-                .light_views
-                .iter()
-                .map(|light_view| light_view.clip_from_world)
-                .collect();
-            let bins = storage_bytes(&plan.bins);
-            let parameters = storage_bytes(&CullParameters {
-                instance_total: plan.instance_total,
-                bin_count: plan.bins.len() as u32,
-                light_view_count: matrices.len() as u32,
-                padding: 0,
-            });
-            let bins = create_buffer(&device, "umbrage_caster_bins", &bins, BufferUsages::STORAGE);
-            let matrices_buffer = create_buffer(
-                &device,
-                "umbrage_light_view_matrices",
-                &storage_bytes(&matrices),
-                BufferUsages::STORAGE,
-            );
-            let parameters = create_buffer(&device, "umbrage_cull_parameters", &parameters, BufferUsages::STORAGE);
-            let bind_group = device.create_bind_group(
-                "umbrage_cull_casters",
-                &cache.get_bind_group_layout(&pipeline.layout),
-                &BindGroupEntries::sequential((
-                    meshes.as_entire_binding(),
-                    bins.as_entire_binding(),
-                    matrices_buffer.as_entire_binding(),
-                    arguments.as_entire_binding(),
-                    counts.as_entire_binding(),
-                    parameters.as_entire_binding(),
-                )),
-            );
-            ctx.command_encoder().clear_buffer(counts, 0, None);
-            let diagnostics = ctx.diagnostic_recorder();
-            let diagnostics = diagnostics.as_deref();
-            let mut pass = ctx.command_encoder().begin_compute_pass(&ComputePassDescriptor {
-                label: Some("umbrage_cull_casters"),
-                timestamp_writes: None,
-            });
-            let span = diagnostics.pass_span(&mut pass, "umbrage_cull_casters");
-            pass.set_pipeline(compute);
-            pass.set_bind_group(0, &bind_group, &[]);
-            pass.dispatch_workgroups(plan.instance_total.div_ceil(WORKGROUP_SIZE), matrices.len() as u32, 1);
-            span.end(&mut pass);
-        }
+    if sun.settings.maps.is_virtual() {
+        return;
     }
+    if let Some(drawn) = &plan.drawn {
+        ctx.command_encoder().clear_buffer(drawn, 0, None);
+    }
+    let matrices = sun.light_views.iter().map(|light_view| light_view.clip_from_world);
+    let matrices: Vec<Mat4> = matrices.collect();
+    let count = matrices.len() as u32;
+    let matrices = storage_buffer(ctx.render_device(), "umbrage_light_view_matrices", &matrices);
+    // Until the draws exist (the first frames) the atlas is only cleared.
+    let ready = cull_casters(world, &mut ctx, plan, &matrices, count, 0);
 
     let targets = [(&atlas.view, &views.light_views, "umbrage_draw_casters")];
     let second = atlas.second.as_ref();
@@ -167,22 +184,17 @@ pub fn draw_casters(
     }
 }
 
-fn create_buffer(
-    device: &RenderDevice,
-    label: &str,
-    contents: &[u8],
-    usage: BufferUsages,
-) -> bevy::render::render_resource::Buffer {
+/// A buffer that shaders read and commands copy from.
+pub(in crate::render) fn storage_buffer<T>(device: &RenderDevice, label: &str, value: &T) -> Buffer
+where
+    T: ShaderType + encase::internal::WriteInto + ?Sized,
+{
+    let mut contents = encase::StorageBuffer::new(Vec::<u8>::new());
+    // Writing into a vector cannot fail: it grows.
+    let _ = contents.write(value);
     device.create_buffer_with_data(&BufferInitDescriptor {
         label: Some(label),
-        contents,
-        usage,
+        contents: &contents.into_inner(),
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
     })
-}
-
-fn storage_bytes<T: ShaderType + encase::internal::WriteInto + ?Sized>(value: &T) -> Vec<u8> {
-    let mut buffer = encase::StorageBuffer::new(Vec::new());
-    // Writing into a vector cannot fail: it grows.
-    let _ = buffer.write(value);
-    buffer.into_inner()
 }

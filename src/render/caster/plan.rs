@@ -36,6 +36,10 @@ pub struct CasterPlan {
     pub instance_total: u32,
     /// Indirect draws and counts; `None` when nothing is culled.
     pub indirect: Option<(Buffer, Buffer)>,
+    /// Casters drawn by light view of the frame, or by tile of a virtual map; with [`indirect`](Self::indirect) only.
+    pub drawn: Option<Buffer>,
+    /// Slots of the draw buffers: light views that can be culled and drawn together. Virtual maps have more tiles.
+    pub slots: u32,
 }
 
 /// Plans the caster pass of the current camera.
@@ -54,17 +58,32 @@ pub fn plan_casters(world: &mut World) {
         .max()
         .unwrap_or(0);
     let light_view_count = views.light_views.len() as u32;
+    let is_virtual = world
+        .get::<ExtractedSun>(camera)
+        .is_some_and(|sun| sun.settings.maps.is_virtual());
 
     let device = world.resource::<RenderDevice>();
+    // Light views of an atlas are drawn in one pass; tiles may as well be drawn a few at a time.
+    let slots = if is_virtual {
+        (1..=light_view_count)
+            .rev()
+            .find(|slots| fits(device, u64::from(instance_total) * u64::from(*slots)))
+            .unwrap_or(light_view_count.min(1))
+    } else {
+        light_view_count
+    };
     let cull = world.resource::<CasterCulling>().0
         && device
             .features()
             .contains(WgpuFeatures::MULTI_DRAW_INDIRECT_COUNT | WgpuFeatures::INDIRECT_FIRST_INSTANCE)
         && instance_total > 0
-        && light_view_count > 0
-        && fits(device, u64::from(instance_total) * u64::from(light_view_count));
-    let old = world.get::<CasterPlan>(camera).and_then(|plan| plan.indirect.clone());
-    let indirect = cull.then(|| sized_buffers(device, old, u64::from(instance_total) * u64::from(light_view_count)));
+        && slots > 0
+        && fits(device, u64::from(instance_total) * u64::from(slots));
+    let old = world.get::<CasterPlan>(camera);
+    let old_drawn = old.and_then(|plan| plan.drawn.clone());
+    let old = old.and_then(|plan| plan.indirect.clone());
+    let indirect = cull.then(|| sized_buffers(device, old, u64::from(instance_total) * u64::from(slots)));
+    let drawn = cull.then(|| old_drawn.unwrap_or_else(|| counters(device)));
 
     let buffer_bytes = indirect
         .as_ref()
@@ -94,6 +113,8 @@ pub fn plan_casters(world: &mut World) {
         bins,
         instance_total,
         indirect,
+        drawn,
+        slots,
     });
 }
 
@@ -176,6 +197,18 @@ fn fits(device: &RenderDevice, draws: u64) -> bool {
 /// Room to grow by half before the next allocation.
 fn with_room(draws: u64) -> u64 {
     draws + draws / 2
+}
+
+/// Counters for the light views of a frame, or for the tiles of a virtual map: those beyond them share the last.
+const COUNTERS: u64 = 4096;
+
+fn counters(device: &RenderDevice) -> Buffer {
+    device.create_buffer(&BufferDescriptor {
+        label: Some("umbrage_casters_drawn"),
+        size: COUNTERS * 4,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    })
 }
 
 /// Buffers for one draw and one count per (light view, instance); old ones are kept while they are large enough.

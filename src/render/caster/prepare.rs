@@ -34,6 +34,9 @@ const MASTER_SUBVIEW: u32 = 1000;
 /// Subview number of the first view of the second atlas.
 const SECOND_SUBVIEW: u32 = 1500;
 
+/// Render views of a virtual map, which its tiles use in turn. Each has room for a draw of every caster.
+pub const TILE_SLOTS: usize = 16;
+
 /// On a camera's render entity: the views of its caster phase.
 #[derive(Component, Clone, Debug)]
 pub struct CasterViews {
@@ -47,7 +50,7 @@ pub struct CasterViews {
     pub cascade: Entity,
     /// Render entity of the light.
     pub light: Entity,
-    /// One render view per light view.
+    /// One render view per light view; for virtual maps [`TILE_SLOTS`] for all tiles.
     pub light_views: Vec<Entity>,
     /// The same again for the second atlas, if there is one.
     pub second_views: Vec<Entity>,
@@ -97,7 +100,11 @@ pub fn prepare_caster_views(
         views.light = sun.light;
         views.fresh = !phases.contains_key(&retained_master);
         let (first_layer, second_layer) = CasterLayer::of(sun.settings.store);
-        let count = sun.light_views.len();
+        let count = if sun.settings.maps.is_virtual() {
+            sun.light_views.len().min(1) * TILE_SLOTS
+        } else {
+            sun.light_views.len()
+        };
         resize(&mut commands, &mut views.light_views, count);
         let second_count = if second_layer.is_some() { count } else { 0 };
         resize(&mut commands, &mut views.second_views, second_count);
@@ -128,9 +135,11 @@ pub fn prepare_caster_views(
             (&views.light_views, first_layer, MASTER_SUBVIEW + 1),
             (&views.second_views, second_layer, SECOND_SUBVIEW),
         ] {
-            for (index, (entity, light_view)) in entities.iter().zip(&sun.light_views).enumerate() {
+            // Slots of tiles get their matrices when they are drawn.
+            let light_views = sun.light_views.iter().enumerate().cycle();
+            for (number, (entity, (index, light_view))) in (0..).zip(entities.iter().zip(light_views)) {
                 let mut retained = retained_master;
-                retained.subview_index = first_number + index as u32;
+                retained.subview_index = first_number + number;
                 let mut entity = commands.entity(*entity);
                 entity.insert(render_view(light_view, atlas.rect(index), retained));
                 match layer {

@@ -32,7 +32,7 @@ use bevy::{
 
 use super::{
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
-    light_maps::{LightMaps, Selection},
+    light_maps::{LightMap, LightMaps, Selection},
     shaders,
 };
 
@@ -40,7 +40,7 @@ use super::{
 /// yellow 2, red 8 and more. Sky and what is in no map stay as they are.
 ///
 /// # Limits
-/// At most [`MAX_LIGHT_VIEWS`] maps count. The camera needs `Msaa::Off`; with multisampling nothing is drawn.
+/// At most [`MAX_LIGHT_VIEWS`] maps count; of a virtual map the resolution of its finest tile counts everywhere. The camera needs `Msaa::Off`; with multisampling nothing is drawn.
 #[derive(Component, Clone, Debug, PartialEq, ExtractComponent)]
 #[require(DepthPrepass, NormalPrepass)]
 pub struct TexelHeatMap {
@@ -53,9 +53,17 @@ pub struct TexelHeatMap {
 }
 
 impl TexelHeatMap {
+    /// The maps; a virtual map as a whole, at its finest.
+    fn shown(&self) -> &[LightMap] {
+        match &self.light_maps.virtual_map {
+            Some(whole) => std::slice::from_ref(&whole.map),
+            None => &self.light_maps.maps,
+        }
+    }
+
     fn parameters(&self) -> ApplyParameters {
         let mut light_views = [GpuLightView::default(); MAX_LIGHT_VIEWS];
-        for (target, map) in light_views.iter_mut().zip(&self.light_maps.maps) {
+        for (target, map) in light_views.iter_mut().zip(self.shown()) {
             *target = GpuLightView {
                 clip_from_world: map.clip_from_world.as_mat4(),
                 atlas_rect: UVec4::new(0, 0, map.size.x, map.size.y).as_vec4(),
@@ -66,13 +74,14 @@ impl TexelHeatMap {
         ApplyParameters {
             light_views,
             direction_to_light: self.direction_to_light,
-            light_view_count: self.light_maps.maps.len().min(MAX_LIGHT_VIEWS) as u32,
+            light_view_count: self.shown().len().min(MAX_LIGHT_VIEWS) as u32,
             shadow_distance: self.light_maps.distance as f32,
             selection: match self.light_maps.selection {
                 Selection::Depth => 0,
                 Selection::BestResolution => 1,
                 Selection::Cascades => 2,
                 Selection::Finest => 3,
+                Selection::LastTile => 1,
             },
             opacity: self.opacity,
             ..default()

@@ -46,17 +46,17 @@ pub fn touched_texels(maps: &LightMaps, rays: &PixelRays, traced: &Traced, to_li
 /// Overlaps below it, in texels or pixels, are rounding.
 const ROUNDING: f64 = 1.0e-6;
 
-/// Texels of one map, row by row.
+/// Texels of one map, row by row, a bit each; none of its memory is used before the first is touched.
 struct Grid {
     size: UVec2,
-    touched: Vec<bool>,
+    touched: Vec<u64>,
 }
 
 impl Grid {
     fn new(size: UVec2) -> Self {
         Self {
             size,
-            touched: vec![false; size.x as usize * size.y as usize],
+            touched: Vec::new(),
         }
     }
 
@@ -66,7 +66,9 @@ impl Grid {
         if !middle.is_finite() || !half.is_finite() {
             return;
         }
-        let last = self.size.as_dvec2() - 1.0;
+        let texels = self.size.x as usize * self.size.y as usize;
+        self.touched.resize(texels.div_ceil(64), 0);
+        let last = (self.size.as_dvec2() - 1.0).max(DVec2::ZERO);
         let low = (middle - half).floor().clamp(DVec2::ZERO, last);
         let high = ((middle + half).ceil() - 1.0).clamp(DVec2::ZERO, last).max(low);
         // Separating axes: those of the squares are the bounds above, those of the parallelogram are these.
@@ -83,14 +85,15 @@ impl Grid {
                     _ => true,
                 };
                 if is_touched {
-                    self.touched[y * self.size.x as usize + x] = true;
+                    let texel = y * self.size.x as usize + x;
+                    self.touched[texel / 64] |= 1 << (texel % 64);
                 }
             }
         }
     }
 
     fn count(&self) -> u64 {
-        self.touched.iter().filter(|touched| **touched).count() as u64
+        self.touched.iter().map(|texels| u64::from(texels.count_ones())).sum()
     }
 }
 
@@ -198,6 +201,7 @@ mod tests {
             maps,
             selection: Selection::Depth,
             distance: 100.0,
+            virtual_map: None,
         }
     }
 

@@ -153,6 +153,7 @@ mod tests {
             }],
             selection: Selection::Depth,
             distance: 100.0,
+            virtual_map: None,
         }
     }
 

@@ -10,7 +10,7 @@ pub use seams::{SeamWidth, Seams};
 
 use bevy::{light::DirectionalLight, prelude::*};
 
-use super::{measured::MeasuredDepths, stable::Stability};
+use super::{measured::MeasuredDepths, stable::Stability, virtual_maps::ShadowMaps};
 use crate::maths::warp::Warp;
 
 /// Sharp sun shadows for a [`DirectionalLight`]: add it to the light's entity.
@@ -22,6 +22,9 @@ use crate::maths::warp::Warp;
 pub struct SunShadows {
     /// How shadows reach the picture. Full is the default; drop-in touches no shader but is limited to four partitions.
     pub path: ShadowPath,
+    /// Partitions in an atlas, or one virtual map. The first is the default: it waits for nothing and costs the same in
+    /// every frame.
+    pub maps: ShadowMaps,
     /// What the view frustum is cut into.
     pub partitions: Partitions,
     /// The perspective warp of every partition. On the drop-in path none stronger than `LiSPSM`.
@@ -284,6 +287,7 @@ impl SunShadows {
     const fn preset(count: u32, map_size: u32) -> Self {
         Self {
             path: ShadowPath::Full,
+            maps: ShadowMaps::Partitions,
             partitions: Partitions::slices(count),
             warp: Warp::Lispsm,
             fit: FitSettings::BEST,

@@ -56,6 +56,7 @@ mod tests {
             },
             stable::Stability,
             technique::StockBias,
+            virtual_maps::ShadowMaps,
         },
     };
 
@@ -186,7 +187,7 @@ mod tests {
             let near = near.filter(|_| !measured.near);
             let partitions = Partitions { count, scheme, faces, etas, resolution };
             let full = SunShadows {
-                path, partitions, warp, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, measured, stable, fallback_map,
+                path, maps: ShadowMaps::Partitions, partitions, warp, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, measured, stable, fallback_map,
             };
             match path {
                 ShadowPath::Full => full,

@@ -7,6 +7,7 @@
 //! | `lispsm`, `repar`, `psm`, `tsm`, `free` | one warped map |
 //! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
 //! | `fp+lispsm`, `fp2+lispsm` | face partitions of one slice or several (1..=4), at most 16 maps |
+//! | `tiled`, `queried`, `fitted` | virtual maps, also with a warp: `queried+lispsm` |
 //!
 //! The keys and their values are listed by [`keys`]. Texels are budgeted: one map has 4096², several share 4096² in a square
 //! grid of cells ([`default_map_size`]), so that techniques compare at equal memory.
@@ -19,6 +20,7 @@ mod base;
 mod display;
 mod error;
 mod fit_keys;
+mod fitted_keys;
 mod lookup_keys;
 mod measured_keys;
 mod pairs;
@@ -28,6 +30,7 @@ mod path_keys;
 mod seam_keys;
 mod stable_keys;
 mod stock_keys;
+mod tile_keys;
 mod warps;
 
 pub use error::TechniqueError;
@@ -35,11 +38,13 @@ pub use error::TechniqueError;
 use bevy::{light::CascadeShadowConfig, prelude::*};
 
 use super::{
+    fitted::FittedMaps,
     layout::cells_per_side,
     measured::MeasureUse,
     settings::{Faces, MapResolution, SunShadows},
     stable::HeldMaps,
     views::SunViews,
+    virtual_maps::{QueriedMaps, ShadowMaps, TiledMaps},
 };
 use crate::maths::warp::Warp;
 
@@ -133,6 +138,12 @@ impl Technique {
             Self::Umbrage(settings)
         };
         let faces = |count| Self::Umbrage(base::faces_of(count, Warp::Lispsm));
+        let virtual_map = |maps| {
+            Self::Umbrage(SunShadows {
+                maps,
+                ..SunShadows::LOW
+            })
+        };
         vec![
             Self::Bevy(StockBias::default()),
             of(1, Warp::Uniform),
@@ -147,6 +158,12 @@ impl Technique {
             of(16, Warp::Lispsm),
             faces(1),
             faces(2),
+            virtual_map(ShadowMaps::Tiled(TiledMaps {
+                tiles_per_axis: 4,
+                ..TiledMaps::default()
+            })),
+            virtual_map(ShadowMaps::Queried(QueriedMaps::default())),
+            virtual_map(ShadowMaps::Fitted(FittedMaps::default())),
         ]
     }
 
@@ -181,6 +198,32 @@ impl Technique {
                 format!("up to {} face partitions{slices}", settings.partitions.maps())
             }
         };
+        let maps = match &settings.maps {
+            ShadowMaps::Partitions => {
+                let size = match settings.partitions.resolution {
+                    MapResolution::Equal => format!("of {0} x {0} texels", settings.map_size),
+                    MapResolution::Balanced => {
+                        let side = settings.map_size * cells_per_side(settings.partitions.maps());
+                        format!("that share {side} x {side} texels by need")
+                    }
+                };
+                format!("{maps} {size}")
+            }
+            ShadowMaps::Tiled(tiled) => {
+                format!(
+                    "one map of {0} x {0} tiles of {1} x {1} texels",
+                    tiled.tiles_per_axis, tiled.tile_size
+                )
+            }
+            ShadowMaps::Queried(queried) => format!(
+                "one map of at most {0} x {0} tiles of {1} x {1} texels, as fine as the picture shows",
+                queried.refinement.max_tiles_per_axis, queried.refinement.tile_size
+            ),
+            ShadowMaps::Fitted(fitted) => format!(
+                "one map of at most {0} x {0} tiles of {1} x {1} texels, as fine as the pixels need it",
+                fitted.tiles_per_axis, fitted.tile_size_max
+            ),
+        };
         let warp = match settings.warp {
             Warp::Uniform => "focused, no warp",
             Warp::Lispsm => "light space perspective warp",
@@ -189,14 +232,7 @@ impl Technique {
             Warp::Tsm { .. } => "trapezoidal warp",
             Warp::Free { .. } => "warp of free strength",
         };
-        let size = match settings.partitions.resolution {
-            MapResolution::Equal => format!("of {0} x {0} texels", settings.map_size),
-            MapResolution::Balanced => {
-                let side = settings.map_size * cells_per_side(settings.partitions.maps());
-                format!("that share {side} x {side} texels by need")
-            }
-        };
-        format!("{maps} {size}, {warp}")
+        format!("{maps}, {warp}")
     }
 
     /// Whether a frame must be drawn twice to be what the technique means: once to measure its depths, once to use them.

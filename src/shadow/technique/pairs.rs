@@ -75,13 +75,13 @@ pub(super) fn all_keys() -> Vec<&'static Key> {
     keys
 }
 
-/// Keys with their values, checked against [`all_keys`].
+/// Keys with their values, checked against [`all_keys`]. A name may mean one thing to one base and another to the next.
 pub(super) struct Pairs<'a>(Vec<(&'static Key, &'a str)>);
 
 impl<'a> Pairs<'a> {
-    /// Reads `key=value,key=value`.
-    pub(super) fn parse(text: &'a str) -> Result<Self, TechniqueError> {
-        let known = all_keys();
+    /// Reads `key=value,key=value` for a base with these topics of its own.
+    pub(super) fn parse(text: &'a str, own: &'static [&'static Topic]) -> Result<Self, TechniqueError> {
+        let known: Vec<&Key> = topics(own).flat_map(|topic| topic.keys).chain(all_keys()).collect();
         let mut pairs: Vec<(&'static Key, &'a str)> = Vec::new();
         for pair in text.split(',').map(str::trim).filter(|pair| !pair.is_empty()) {
             let (name, value) = pair.split_once('=').unwrap_or((pair, ""));

@@ -26,11 +26,11 @@ impl FromStr for Technique {
                     base: "bevy",
                     what: "warp",
                 }),
-                None => stock_keys::read(&Pairs::parse(keys)?).map(Self::Bevy),
+                None => stock_keys::read(&Pairs::parse(keys, &[])?).map(Self::Bevy),
             };
         }
         let (base, settings) = base::read(name, warp)?;
-        with_keys(name, base, settings, &Pairs::parse(keys)?).map(Self::Umbrage)
+        with_keys(name, base, settings, &Pairs::parse(keys, base.topics)?).map(Self::Umbrage)
     }
 }
 
@@ -76,6 +76,7 @@ mod tests {
             },
             stable::Stability,
             technique::StockBias,
+            virtual_maps::ShadowMaps,
         },
     };
 
@@ -121,6 +122,7 @@ mod tests {
         );
         let expected = SunShadows {
             path: ShadowPath::Full,
+            maps: ShadowMaps::Partitions,
             partitions: Partitions {
                 scheme: SplitScheme::Manual(vec![10.0, 30.5]),
                 ..Partitions::slices(3)
@@ -228,8 +230,8 @@ mod tests {
     fn errors_say_what_is_wrong_and_what_there_is() {
         for (text, parts) in [
             (
-                "tiled",
-                &["`tiled`", "not available in this version", "zp16", "lispsm"][..],
+                "optimal",
+                &["`optimal`", "not available in this version", "zp16", "lispsm"][..],
             ),
             ("fp5", &["`fp5`", "1 to 4"]),
             ("fp0", &["`fp0`", "1 to 4"]),

@@ -248,3 +248,37 @@ fn grids_of_nothing() {
     map.texels[1] = texel(Vec2::NAN);
     assert_eq!(NeedGrid::new(&map, &of(4)).levels[2][3].pixels, 1);
 }
+
+/// What the GPU collects, cells and their histograms, gives the grid of the mapping map itself.
+#[test]
+fn collected_cells_are_those_of_the_map() {
+    let map = random_map(48, 77);
+    let options = GridOptions {
+        discard_fraction: 0.2,
+        rect_guard: 3,
+        floor_level: Some(4),
+        ..of(16)
+    };
+    let whole = NeedGrid::new(&map, &of(16));
+    let mut histograms = vec![[[0; 32]; 2]; 256];
+    for texel in map.texels.iter().flatten() {
+        let cell = (texel.uv * 16.0).as_uvec2().min(UVec2::splat(15));
+        for axis in 0..2 {
+            histograms[(cell.y * 16 + cell.x) as usize][axis][usize::from(texel.levels[axis])] += 1;
+        }
+    }
+    let cells = whole.levels[4].clone();
+    let collected = NeedGrid::collected(cells.clone(), &histograms, map.picture, &options).expect("a square grid");
+    let expected = NeedGrid::new(&map, &options);
+    assert_eq!(collected.levels, expected.levels);
+    assert!(
+        collected.levels != whole.levels && expected.discarded > 0,
+        "something was discarded"
+    );
+    // Pixels that are extreme on both axes count twice.
+    assert!((expected.discarded..=2 * expected.discarded).contains(&collected.discarded));
+    assert_eq!(
+        NeedGrid::collected(cells[1..].to_vec(), &[], map.picture, &options),
+        None
+    );
+}

@@ -6,7 +6,9 @@ use umbrage::maths::virtual_map::{
     grid::{NeedCell, NeedGrid},
     memory::{BYTES_PER_TEXEL, DEFAULT_BUDGET, TextureMode, TileTooLarge},
     picture::PixelRect,
+    queried::QueriedMap,
     tile::TileWindow,
+    tiled::TiledMap,
 };
 
 use super::scene::Numbers;
@@ -167,4 +169,34 @@ fn one_pass_degrades_evenly() {
     }
     assert!(drops.is_sorted() && drops[0] < drops[4], "{drops:?}");
     assert_eq!(together(1000), None, "not even the smallest tile");
+}
+
+/// Tiled and queried maps keep their resolution under a smaller budget, as long as n may grow.
+#[test]
+fn smaller_budgets_make_more_and_smaller_tiles() {
+    let map = TiledMap::new(8, 2048, 0);
+    assert_eq!(map.within(16 << 20), map, "2048² fits 16 MiB exactly");
+    let half = map.within((16 << 20) - 1);
+    assert_eq!((half.tiles_per_axis, half.window.size), (16, UVec2::splat(1024)));
+    assert_eq!(half.effective_resolution(), map.effective_resolution());
+    let quarter = map.within(1 << 20);
+    assert_eq!((quarter.tiles_per_axis, quarter.window.size), (32, UVec2::splat(512)));
+    let least = map.within(1 << 18);
+    assert_eq!(
+        (least.tiles_per_axis, least.window.size),
+        (32, UVec2::splat(256)),
+        "n is at its limit"
+    );
+    assert_eq!(map.within(0).window.size, UVec2::ONE);
+
+    let map = QueriedMap::default();
+    assert_eq!(map.within(DEFAULT_BUDGET), map, "4096² is 64 MiB");
+    let no_jumps = map.within(4 << 20);
+    assert_eq!((no_jumps.tile_size, no_jumps.tile_size_max), (1024, 1024));
+    assert_eq!(no_jumps.max_tiles_per_axis, 32);
+    let small = map.within(1 << 20);
+    assert_eq!(
+        (small.tile_size, small.tile_size_max, small.max_tiles_per_axis),
+        (512, 512, 64)
+    );
 }

@@ -8,6 +8,7 @@ mod mapping;
 mod memory;
 mod needs;
 mod queried;
+mod reach;
 mod scene;
 mod tile;
 mod transparent;

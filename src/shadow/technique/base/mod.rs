@@ -3,6 +3,7 @@
 //! A base is a file of this folder and a line of [`BASES`]. Keys that only some bases take belong to their topics.
 
 mod faces;
+mod virtual_maps;
 mod z_partitions;
 
 pub(super) use faces::settings as faces_of;
@@ -11,10 +12,16 @@ use super::{error::TechniqueError, pairs::Topic, warps};
 use crate::{maths::warp::Warp, shadow::settings::SunShadows};
 
 /// Every base but `bevy`; the last takes all settings that are no other's.
-pub(super) const BASES: [&Base; 2] = [&faces::BASE, &z_partitions::BASE];
+pub(super) const BASES: [&Base; 5] = [
+    &virtual_maps::TILED,
+    &virtual_maps::QUERIED,
+    &virtual_maps::FITTED,
+    &faces::BASE,
+    &z_partitions::BASE,
+];
 
 /// What is planned but not built yet; named so that the error can say so.
-const PLANNED: [&str; 4] = ["tiled", "queried", "fitted", "optimal"];
+const PLANNED: [&str; 1] = ["optimal"];
 
 /// One kind of technique.
 pub(super) struct Base {

@@ -1,0 +1,425 @@
+//! Records tiles: casters into a tile texture, then the tile into the shadow result, one after the other.
+
+use std::collections::HashMap;
+
+use bevy::{
+    core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures},
+    math::DMat4,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        render_phase::ViewBinnedRenderPhases,
+        render_resource::{
+            BindGroup, BindGroupEntries, BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
+            BindingResource, Buffer, BufferBinding, BufferInitDescriptor, BufferUsages, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, FragmentState, LoadOp, Operations,
+            PipelineCache, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
+            RenderPipeline, RenderPipelineDescriptor, ShaderStages, ShaderType, StoreOp, TextureSampleType,
+            TextureView, TextureViewId,
+            binding_types::{
+                storage_buffer_read_only, storage_buffer_sized, texture_2d, texture_depth_2d, uniform_buffer,
+            },
+            encase,
+        },
+        renderer::{RenderContext, RenderDevice},
+        texture::FallbackImage,
+        view::{ViewUniform, ViewUniformOffset, ViewUniforms},
+    },
+};
+
+use super::{TileSchedule, textures::TileTextures, tiles::TileDraw};
+use crate::render::{
+    apply::ApplyUniform,
+    atlas::{ATLAS_FORMAT, RESULT_FORMAT, ShadowResult},
+    caster::{
+        pass::{cull_casters, storage_buffer},
+        phase::Caster,
+        plan::CasterPlan,
+        prepare::CasterViews,
+    },
+    extract::ExtractedSun,
+    gpu_types::{ApplyParameters, GpuShadowTile},
+    shaders,
+};
+
+/// The pipelines of virtual maps.
+#[derive(Resource)]
+pub struct TilePipelines {
+    /// Applies a tile; with counting second.
+    apply: [(BindGroupLayoutDescriptor, CachedRenderPipelineId); 2],
+    /// Clears the corner of a texture.
+    clear: CachedRenderPipelineId,
+}
+
+/// Queues the pipelines for compilation.
+pub fn init_tile_pipelines(
+    mut commands: Commands,
+    cache: Res<PipelineCache>,
+    fullscreen: Res<FullscreenShader>,
+    server: Res<AssetServer>,
+) {
+    let apply = [false, true].map(|counts| {
+        let label = if counts {
+            "umbrage_apply_and_count_tile"
+        } else {
+            "umbrage_apply_tile"
+        };
+        let mut entries = BindGroupLayoutEntries::sequential(
+            ShaderStages::FRAGMENT,
+            (
+                uniform_buffer::<ViewUniform>(true),
+                texture_depth_2d(),
+                texture_2d(TextureSampleType::Float { filterable: false }),
+                uniform_buffer::<ApplyParameters>(false),
+                texture_depth_2d(),
+                storage_buffer_read_only::<GpuShadowTile>(true),
+            ),
+        )
+        .to_vec();
+        if counts {
+            let counting = BindGroupLayoutEntries::with_indices(
+                ShaderStages::FRAGMENT,
+                (
+                    (6, texture_2d(TextureSampleType::Float { filterable: false })),
+                    (7, storage_buffer_sized(false, None)),
+                ),
+            );
+            entries.extend_from_slice(&counting);
+        }
+        let layout = BindGroupLayoutDescriptor::new(label, &entries);
+        let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
+            label: Some(label.into()),
+            layout: vec![layout.clone()],
+            vertex: fullscreen.to_vertex_state(),
+            fragment: Some(FragmentState {
+                shader: shaders::load(&server, "virtual_map/apply_tile.wgsl"),
+                shader_defs: if counts { vec!["COUNT".into()] } else { Vec::new() },
+                targets: vec![Some(ColorTargetState {
+                    format: RESULT_FORMAT,
+                    blend: None,
+                    write_mask: ColorWrites::ALL,
+                })],
+                ..default()
+            }),
+            ..default()
+        });
+        (layout, id)
+    });
+    // The full-screen triangle has depth 0, the farthest.
+    let clear = cache.queue_render_pipeline(RenderPipelineDescriptor {
+        label: Some("umbrage_clear_tile".into()),
+        vertex: fullscreen.to_vertex_state(),
+        depth_stencil: Some(DepthStencilState {
+            format: ATLAS_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(CompareFunction::Always),
+            stencil: default(),
+            bias: default(),
+        }),
+        ..default()
+    });
+    commands.insert_resource(TilePipelines { apply, clear });
+}
+
+/// Where the changes of the shadow result are counted.
+pub(super) struct Counting<'a> {
+    /// The shadow result before the first of the tiles.
+    pub(super) old_result: &'a TextureView,
+    /// One report per tile.
+    pub(super) reports: &'a Buffer,
+    /// Changes up to this are none.
+    pub(super) tolerance: f32,
+}
+
+/// A list of tiles to record.
+pub(super) struct TileList<'a> {
+    pub(super) tiles: &'a [TileDraw],
+    pub(super) textures: &'a TileTextures,
+    /// Tiles of the frame before these.
+    pub(super) first_tile: u32,
+    pub(super) counting: Option<Counting<'a>>,
+}
+
+/// Records the tiles of a list, in waves: one culling dispatch for the tiles of a wave, then for each tile its casters
+/// and its application. Returns whether they were recorded: not while pipelines are compiled or something is missing.
+pub(super) fn record_tiles(world: &World, ctx: &mut RenderContext, camera: Entity, list: &TileList) -> bool {
+    let Some(recording) = Recording::new(world, ctx.render_device(), camera, list) else {
+        return false;
+    };
+    let schedule = world.resource::<TileSchedule>();
+    let mut order: Vec<usize> = (0..list.tiles.len()).collect();
+    if schedule.is_reversed {
+        order.reverse();
+    }
+    let slots = recording.slots.len().min(schedule.wave_size as usize).max(1);
+    let mut bind_groups = HashMap::new();
+    let mut first_counter = list.first_tile;
+    for wave in order.chunks(slots) {
+        let matrices: Vec<Mat4> = wave
+            .iter()
+            .map(|index| list.tiles[*index].clip_from_world(&recording.map_clip_from_world))
+            .collect();
+        let matrices = storage_buffer(ctx.render_device(), "umbrage_tile_matrices", &matrices);
+        let count = wave.len() as u32;
+        if !cull_casters(world, ctx, recording.plan, &matrices, count, first_counter) {
+            return false;
+        }
+        first_counter += count;
+        for (slot, (_, offset)) in recording.slots.iter().take(wave.len()).enumerate() {
+            // `clip_from_world` is the first field of a view.
+            ctx.command_encoder().copy_buffer_to_buffer(
+                &matrices,
+                slot as u64 * MATRIX_BYTES,
+                recording.view_buffer,
+                u64::from(*offset),
+                MATRIX_BYTES,
+            );
+        }
+        for (slot, index) in wave.iter().enumerate() {
+            recording.draw_and_apply(world, ctx, list, *index, recording.slots[slot].0, &mut bind_groups);
+        }
+    }
+    true
+}
+
+/// Of a matrix in a buffer.
+const MATRIX_BYTES: u64 = 64;
+
+/// What all tiles of a list share.
+struct Recording<'a> {
+    map_clip_from_world: DMat4,
+    plan: &'a CasterPlan,
+    views: &'a CasterViews,
+    /// Render views that tiles use in turn, and where their uniforms lie in `view_buffer`.
+    slots: Vec<(Entity, u32)>,
+    view_buffer: &'a Buffer,
+    camera: &'a ExtractedCamera,
+    view_offset: u32,
+    result: &'a ShadowResult,
+    prepass: &'a ViewPrepassTextures,
+    parameters: BindingResource<'a>,
+    view_binding: BindingResource<'a>,
+    apply: (&'a BindGroupLayoutDescriptor, &'a RenderPipeline),
+    clear: &'a RenderPipeline,
+    tiles: Buffer,
+    tile_stride: u32,
+}
+
+impl<'a> Recording<'a> {
+    fn new(world: &'a World, device: &RenderDevice, camera: Entity, list: &TileList) -> Option<Self> {
+        let camera = world.get_entity(camera).ok()?;
+        let (views, plan) = (camera.get::<CasterViews>()?, camera.get::<CasterPlan>()?);
+        let slots = views.light_views.iter().take(plan.slots as usize);
+        let slots: Option<Vec<_>> = slots
+            .map(|slot| Some((*slot, world.get::<ViewUniformOffset>(*slot)?.offset)))
+            .collect();
+        let pipelines = world.resource::<TilePipelines>();
+        let cache = world.resource::<PipelineCache>();
+        let (layout, apply) = &pipelines.apply[usize::from(list.counting.is_some())];
+        let view_uniforms = &world.resource::<ViewUniforms>().uniforms;
+        let tile_stride = device
+            .limits()
+            .min_storage_buffer_offset_alignment
+            .max(GpuShadowTile::min_size().get() as u32);
+        let tolerance = list.counting.as_ref().map_or(0.0, |counting| counting.tolerance);
+        let light_view = camera.get::<ExtractedSun>()?.light_views.first()?;
+        Some(Self {
+            map_clip_from_world: light_view.clip_from_world.as_dmat4(),
+            plan,
+            views,
+            slots: slots.filter(|slots| !slots.is_empty())?,
+            view_buffer: view_uniforms.buffer()?,
+            camera: camera.get()?,
+            view_offset: camera.get::<ViewUniformOffset>()?.offset,
+            result: camera.get()?,
+            prepass: camera.get()?,
+            parameters: camera.get::<ApplyUniform>()?.0.binding()?,
+            view_binding: view_uniforms.binding()?,
+            apply: (layout, cache.get_render_pipeline(*apply)?),
+            clear: cache.get_render_pipeline(pipelines.clear)?,
+            tiles: tile_buffer(device, list.tiles, tolerance, tile_stride),
+            tile_stride,
+        })
+    }
+
+    fn draw_and_apply(
+        &self,
+        world: &World,
+        ctx: &mut RenderContext,
+        list: &TileList,
+        index: usize,
+        slot: Entity,
+        bind_groups: &mut HashMap<TextureViewId, BindGroup>,
+    ) {
+        let draw = &list.tiles[index];
+        let Some((texture, target)) = list.textures.of(draw.texture, index) else {
+            return;
+        };
+        let Some(scissor) = self.visible_part(draw) else {
+            return;
+        };
+        let fills = UVec2::new(texture.width(), texture.height()) == draw.window.size;
+        self.draw(world, ctx, draw, slot, target, fills);
+        if !bind_groups.contains_key(&target.id()) {
+            let Some(bind_group) = self.bind_group(world, ctx, list, target) else {
+                return;
+            };
+            bind_groups.insert(target.id(), bind_group);
+        }
+        self.apply(
+            ctx,
+            scissor,
+            &bind_groups[&target.id()],
+            index as u32 * self.tile_stride,
+        );
+    }
+
+    /// Casters into the tile's corner of a texture.
+    fn draw(
+        &self,
+        world: &World,
+        ctx: &mut RenderContext,
+        draw: &TileDraw,
+        slot: Entity,
+        target: &TextureView,
+        fills: bool,
+    ) {
+        let Some(phase) = world
+            .resource::<ViewBinnedRenderPhases<Caster>>()
+            .get(&self.views.retained_master)
+        else {
+            return;
+        };
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("umbrage_draw_tile"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: target,
+                depth_ops: Some(Operations {
+                    load: if fills { LoadOp::Clear(0.0) } else { LoadOp::Load },
+                    store: StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        let size = draw.window.size;
+        pass.set_viewport(0.0, 0.0, size.x as f32, size.y as f32, 0.0, 1.0);
+        pass.set_scissor_rect(0, 0, size.x, size.y);
+        if !fills {
+            pass.set_render_pipeline(self.clear);
+            pass.draw(0..3, 0..1);
+        }
+        if let Err(error) = phase.render(&mut pass, world, slot) {
+            error!("a tile could not be drawn: {error}");
+        }
+    }
+
+    /// The tile into the shadow result of its pixels.
+    fn apply(&self, ctx: &mut RenderContext, scissor: URect, bind_group: &BindGroup, tile_offset: u32) {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("umbrage_apply_tile"),
+            color_attachments: &[Some(RenderPassColorAttachment {
+                view: &self.result.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: Operations {
+                    load: LoadOp::Load,
+                    store: StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        if let Some(viewport) = &self.camera.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        pass.set_scissor_rect(scissor.min.x, scissor.min.y, scissor.width(), scissor.height());
+        pass.set_render_pipeline(self.apply.1);
+        pass.set_bind_group(0, bind_group, &[self.view_offset, tile_offset]);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// The part of a tile's rectangle that the camera draws to.
+    fn visible_part(&self, draw: &TileDraw) -> Option<URect> {
+        let shown = match &self.camera.viewport {
+            Some(viewport) => URect::from_corners(
+                viewport.physical_position,
+                viewport.physical_position + viewport.physical_size,
+            ),
+            None => URect::from_corners(UVec2::ZERO, self.result.size),
+        };
+        let shown = shown.intersect(URect::from_corners(UVec2::ZERO, self.result.size));
+        if draw.rect.is_empty() {
+            return None;
+        }
+        let part = shown.intersect(URect::from_corners(draw.rect.min, draw.rect.max));
+        (!part.is_empty()).then_some(part)
+    }
+
+    fn bind_group(
+        &self,
+        world: &World,
+        ctx: &RenderContext,
+        list: &TileList,
+        tile_depths: &TextureView,
+    ) -> Option<BindGroup> {
+        let layout = world.resource::<PipelineCache>().get_bind_group_layout(self.apply.0);
+        let depth = self.prepass.depth_view()?;
+        // White is no normal.
+        let fallback = &world.resource::<FallbackImage>().d2.texture_view;
+        let normals = self.prepass.normal_view().unwrap_or(fallback);
+        let tile = BindingResource::Buffer(BufferBinding {
+            buffer: &self.tiles,
+            offset: 0,
+            size: Some(GpuShadowTile::min_size()),
+        });
+        let common = BindGroupEntries::sequential((
+            self.view_binding.clone(),
+            depth,
+            normals,
+            self.parameters.clone(),
+            tile_depths,
+            tile,
+        ));
+        let mut entries: Vec<BindGroupEntry> = common.to_vec();
+        if let Some(counting) = &list.counting {
+            let more =
+                BindGroupEntries::with_indices(((6, counting.old_result), (7, counting.reports.as_entire_binding())));
+            entries.extend(more.to_vec());
+        }
+        let device = ctx.render_device();
+        Some(device.create_bind_group("umbrage_apply_tile", &layout, &entries))
+    }
+}
+
+/// The tiles for their apply passes, one every `stride` bytes.
+fn tile_buffer(device: &RenderDevice, tiles: &[TileDraw], tolerance: f32, stride: u32) -> Buffer {
+    let mut contents = Vec::with_capacity(tiles.len() * stride as usize);
+    for (report, draw) in (0..).zip(tiles) {
+        let mut bytes = encase::StorageBuffer::new(Vec::<u8>::new());
+        // Writing into a vector cannot fail: it grows.
+        let _ = bytes.write(&draw.gpu(report, tolerance));
+        contents.extend(bytes.into_inner());
+        contents.resize((report as usize + 1) * stride as usize, 0);
+    }
+    device.create_buffer_with_data(&BufferInitDescriptor {
+        label: Some("umbrage_tiles"),
+        contents: &contents,
+        usage: BufferUsages::STORAGE,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_begin_with_the_matrix_that_tiles_replace() {
+        assert_eq!(ViewUniform::METADATA.offset(0), 0);
+    }
+}
