@@ -265,3 +265,30 @@ struct NeedOverlay {
     opacity: f32,
     padding: f32,
 }
+
+// One block of a picture that was reduced to samples for light planes.
+struct SeenBlock {
+    // Of the surface in the chosen pixel, world space.
+    position: vec3<f32>,
+    // NDC depth of the nearest pixel; 0: only sky.
+    nearest_ndc: f32,
+    // Towards the camera; zero where unknown.
+    normal: vec3<f32>,
+    farthest_ndc: f32,
+    // The chosen pixel, from the corner of the viewport.
+    pixel: vec2<u32>,
+    // Pixels that see a surface.
+    pixel_count: u32,
+    padding: u32,
+}
+
+// How a picture is divided into blocks.
+struct BlockGrid {
+    // Of the viewport in the target, pixels.
+    origin: vec2<u32>,
+    // Of the viewport, pixels.
+    picture_size: vec2<u32>,
+    // Blocks across and down.
+    block_count: vec2<u32>,
+    padding: vec2<u32>,
+}

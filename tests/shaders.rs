@@ -2,9 +2,9 @@
 
 use bevy::render::render_resource::ShaderType;
 use umbrage::render::gpu_types::{
-    ApplyParameters, CasterBin, CullParameters, DrawIndexedArguments, GpuDepthRange, GpuEyeBlur, GpuHistoryFrame,
-    GpuLightView, GpuMappingTexel, GpuNeedCell, GpuNeedOverlay, GpuShadowTile, GpuTileMark, GpuTileReport,
-    MAX_LIGHT_VIEWS, NeedParameters, NeedTotals,
+    ApplyParameters, BlockGrid, CasterBin, CullParameters, DrawIndexedArguments, GpuDepthRange, GpuEyeBlur,
+    GpuHistoryFrame, GpuLightView, GpuMappingTexel, GpuNeedCell, GpuNeedOverlay, GpuSeenBlock, GpuShadowTile,
+    GpuTileMark, GpuTileReport, MAX_LIGHT_VIEWS, NeedParameters, NeedTotals,
 };
 
 /// Name, size and member offsets of every structure that the shader compiler sees.
@@ -100,7 +100,11 @@ fn layouts_agree() {
     assert_layout!(NeedTotals, "NeedTotals", { pixels_by_level, outside });
     assert_layout!(GpuMappingTexel, "MappingTexel", { uv, reach, levels, padding });
     assert_layout!(GpuNeedOverlay, "NeedOverlay", { rectangle_count, cap, opacity, padding });
-    assert_eq!(wgsl_structs().len(), 16, "a structure of types.wgsl has no twin here");
+    assert_layout!(GpuSeenBlock, "SeenBlock", {
+        position, nearest_ndc, normal, farthest_ndc, pixel, pixel_count, padding,
+    });
+    assert_layout!(BlockGrid, "BlockGrid", { origin, picture_size, block_count, padding });
+    assert_eq!(wgsl_structs().len(), 18, "a structure of types.wgsl has no twin here");
     let array = include_str!("../shaders/types.wgsl").contains(&format!("array<LightView, {MAX_LIGHT_VIEWS}>"));
     assert!(array, "the array of light views has another length");
 }

@@ -1,5 +1,5 @@
-//! Overlays in color of the player's camera: texel ÷ pixel ([`TexelHeatMap`]), the tiles of virtual maps ([`TileOverlay`])
-//! and the needs of fitted ones ([`NeedOverlay`]).
+//! Overlays in color of the player's camera: texel ÷ pixel and which map is read ([`TexelHeatMap`]), the tiles of virtual
+//! maps ([`TileOverlay`]) and the needs of fitted ones ([`NeedOverlay`]).
 
 use bevy::{core_pipeline::prepass::NormalPrepass, prelude::*};
 
@@ -7,7 +7,7 @@ use super::{overlay::Overlay, player::Player, screens::Screen};
 use crate::{
     level::Sun,
     render::{
-        heat_map::TexelHeatMap,
+        heat_map::{HeatColors, TexelHeatMap},
         light_maps::LightMaps,
         virtual_map::{fitted::overlay::NeedOverlay, overlay::TileOverlay},
     },
@@ -28,19 +28,19 @@ fn follow_overlay(world: &mut World) {
     let (Ok(camera), Some(sun)) = (camera, sun) else {
         return;
     };
-    if *world.resource::<Overlay>() == Overlay::Tiles {
+    let overlay = *world.resource::<Overlay>();
+    if overlay == Overlay::Tiles {
         world.entity_mut(camera).insert(TileOverlay { opacity: OPACITY });
     } else if world.get::<TileOverlay>(camera).is_some() {
         world.entity_mut(camera).remove::<TileOverlay>();
     }
-    if *world.resource::<Overlay>() == Overlay::Needs {
+    if overlay == Overlay::Needs {
         world.entity_mut(camera).insert(NeedOverlay { opacity: OPACITY });
     } else if world.get::<NeedOverlay>(camera).is_some() {
         world.entity_mut(camera).remove::<NeedOverlay>();
     }
-    let is_wanted = world.resource::<Overlay>().is_heat_map();
-    if is_wanted {
-        let heat_map = heat_map(world, sun, camera);
+    if overlay.is_heat_map() {
+        let heat_map = heat_map(world, sun, camera, overlay);
         world.entity_mut(camera).insert(heat_map);
     } else if world.get::<TexelHeatMap>(camera).is_some() {
         world.entity_mut(camera).remove::<TexelHeatMap>();
@@ -53,9 +53,16 @@ fn follow_overlay(world: &mut World) {
     }
 }
 
-fn heat_map(world: &World, sun: Entity, camera: Entity) -> TexelHeatMap {
+fn heat_map(world: &World, sun: Entity, camera: Entity, overlay: Overlay) -> TexelHeatMap {
     TexelHeatMap {
-        light_maps: LightMaps::of(world, sun, camera),
+        light_maps: match overlay {
+            Overlay::TexelRatioBefore => LightMaps::before_films(world, sun, camera),
+            _ => LightMaps::of(world, sun, camera),
+        },
+        colors: match overlay {
+            Overlay::Maps => HeatColors::Maps,
+            _ => HeatColors::TexelRatio,
+        },
         direction_to_light: world.get::<GlobalTransform>(sun).map_or(Vec3::Y, |place| *place.back()),
         opacity: OPACITY,
     }

@@ -27,6 +27,10 @@ pub enum Overlay {
     All,
     /// Texel ÷ pixel in color.
     TexelRatio,
+    /// The same of one uniform map of as many texels over what light planes cover; nothing under other techniques.
+    TexelRatioBefore,
+    /// Which map is read, in color.
+    Maps,
     /// Tiles of a virtual map.
     Tiles,
     /// Needs of a fitted map.
@@ -43,7 +47,9 @@ impl Overlay {
             Self::SplitFrusta => Self::LightViews,
             Self::LightViews => Self::All,
             Self::All => Self::TexelRatio,
-            Self::TexelRatio => Self::Tiles,
+            Self::TexelRatio => Self::TexelRatioBefore,
+            Self::TexelRatioBefore => Self::Maps,
+            Self::Maps => Self::Tiles,
             Self::Tiles => Self::Needs,
             Self::Needs => Self::Off,
         }
@@ -58,6 +64,8 @@ impl Overlay {
             Self::LightViews => "light views",
             Self::All => "bodies, split frusta and light views",
             Self::TexelRatio => "texel / pixel: dark blue 1/8, blue 1/4, cyan 1/2, green 1, yellow 2, orange 4, red 8",
+            Self::TexelRatioBefore => "texel / pixel without a light plane: one uniform map",
+            Self::Maps => "maps: red, yellow, green, blue, and again",
             Self::Tiles => "tiles of virtual maps, blue coarsest, the next color for each doubling",
             Self::Needs => {
                 "needs of fitted maps: blue 256 texels across the map, green 16 thousand, red 256 thousand, pink unmet"
@@ -67,12 +75,12 @@ impl Overlay {
 
     /// Whether lines show it.
     pub fn has_lines(self) -> bool {
-        !matches!(self, Self::Off | Self::TexelRatio | Self::Tiles | Self::Needs)
+        !self.is_heat_map() && !matches!(self, Self::Off | Self::Tiles | Self::Needs)
     }
 
     /// Whether colors show it.
     pub fn is_heat_map(self) -> bool {
-        self == Self::TexelRatio
+        matches!(self, Self::TexelRatio | Self::TexelRatioBefore | Self::Maps)
     }
 
     /// The lines that show it; a partition's are red, yellow, green, blue in turn.
@@ -114,7 +122,7 @@ mod tests {
                 gizmos.bodies,
                 gizmos.split_frusta,
                 gizmos.light_views,
-                overlay.is_heat_map(),
+                overlay.is_heat_map().then_some(overlay.name()),
                 overlay == Overlay::Tiles,
                 overlay == Overlay::Needs,
             );
@@ -126,6 +134,6 @@ mod tests {
                 break;
             }
         }
-        assert_eq!((seen.len(), seen[0]), (8, (false, false, false, false, false, false)));
+        assert_eq!((seen.len(), seen[0]), (10, (false, false, false, None, false, false)));
     }
 }

@@ -139,6 +139,17 @@ pub enum Room {
         /// How far a wire sags in the middle.
         sag: f32,
     },
+    /// A wall across the plane, a row of poles before it, and a card that stands on the plane between both.
+    Wall {
+        /// Where the wall stands, on the z axis; it looks along +z.
+        place: f32,
+        /// Height of the wall.
+        height: f32,
+        /// Distance between the poles, which are half as high as the wall and 3 m before it.
+        spacing: f32,
+        /// Height and width of the card, 6 m before the wall; 0: none.
+        card: f32,
+    },
 }
 
 /// Parameters of the instancing test.

@@ -78,9 +78,36 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 }
             }
         }
+        Room::Wall {
+            place,
+            height,
+            spacing,
+            card,
+        } => {
+            let slab = |scale: Vec3, z: f32| Placement {
+                scale,
+                ..Placement::upright(Model::Cube(0), Vec3::new(0.0, 0.0, z), 0.0)
+            };
+            placements.push(slab(Vec3::new(size.x, height, WALL), place - 0.5 * WALL));
+            if card > 0.0 {
+                placements.push(slab(Vec3::new(card, card, CARD), place + 6.0));
+            }
+            for x in stations(size.x, spacing) {
+                placements.push(Placement {
+                    scale: Vec3::new(0.15, 0.5 * height, 0.15),
+                    ..Placement::upright(Model::Pole(1), Vec3::new(x, 0.0, place + 3.0), 0.0)
+                });
+            }
+        }
     }
     finish(size, statics, placements)
 }
+
+/// Thickness of a wall, metres.
+const WALL: f32 = 0.3;
+
+/// Thickness of a card, metres.
+const CARD: f32 = 0.02;
 
 /// Generates the instancing test: conifers, birches and dead trees on a square lattice.
 pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {

@@ -388,6 +388,17 @@ impl Generator {
                 number("generator.diameter", *diameter, 0.0005, 1.0)?;
                 number("generator.sag", *sag, 0.0, 0.9 * height)
             }
+            Self::Room(Room::Wall {
+                place,
+                height,
+                spacing,
+                card,
+            }) => {
+                number("generator.place", *place, -0.5 * size.y, 0.5 * size.y)?;
+                number("generator.height", *height, 0.1, 1_000.0)?;
+                number("generator.spacing", *spacing, 0.5, 1_000.0)?;
+                number("generator.card", *card, 0.0, 100.0)
+            }
             Self::StressTrees(trees) => {
                 count("generator.count", trees.count, 1, MAX_COUNT)?;
                 number("generator.spacing", trees.spacing, 0.5, 1_000.0)

@@ -298,3 +298,35 @@ pub struct GpuNeedOverlay {
     /// Unused.
     pub padding: f32,
 }
+
+/// One block of a picture that was reduced to samples for light planes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct GpuSeenBlock {
+    /// Of the surface in the chosen pixel, world space.
+    pub position: Vec3,
+    /// NDC depth of the nearest pixel; 0: only sky.
+    pub nearest_ndc: f32,
+    /// Towards the camera; zero where unknown.
+    pub normal: Vec3,
+    /// NDC depth of the farthest pixel.
+    pub farthest_ndc: f32,
+    /// The chosen pixel, from the corner of the viewport.
+    pub pixel: UVec2,
+    /// Pixels that see a surface.
+    pub pixel_count: u32,
+    /// Unused.
+    pub padding: u32,
+}
+
+/// How a picture is divided into blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ShaderType)]
+pub struct BlockGrid {
+    /// Of the viewport in the target, pixels.
+    pub origin: UVec2,
+    /// Of the viewport, pixels.
+    pub picture_size: UVec2,
+    /// Blocks across and down.
+    pub block_count: UVec2,
+    /// Unused.
+    pub padding: UVec2,
+}

@@ -14,6 +14,7 @@ use crate::{
     },
     shadow::{
         checked::checked,
+        light_plane::LightPlaneStates,
         settings::{Faces, PartitionSelection, ShadowPath, SunShadows},
         views::{LightView, SunViews},
     },
@@ -82,6 +83,27 @@ impl LightMaps {
         }
     }
 
+    /// One uniform map of as many texels over what the light planes of the frame cover: what films are measured against.
+    /// Empty without light planes.
+    pub fn before_films(world: &World, sun: Entity, camera: Entity) -> Self {
+        let settings = world.get::<SunShadows>(sun);
+        let states = world.get::<LightPlaneStates>(sun);
+        let state = states.and_then(|states| states.cameras.get(&camera));
+        let unbent = state.and_then(|state| state.unbent.as_ref());
+        let maps = settings.zip(unbent).map(|(settings, light_view)| LightMap {
+            clip_from_world: light_view.clip_from_world.as_dmat4(),
+            size: UVec2::splat(checked(settings).0.map_size),
+            near_depth: f64::from(light_view.near_depth),
+            far_depth: f64::from(light_view.far_depth),
+        });
+        Self {
+            maps: maps.into_iter().collect(),
+            selection: Selection::BestResolution,
+            distance: f64::INFINITY,
+            virtual_map: None,
+        }
+    }
+
     fn of_full_path(world: &World, sun: Entity, camera: Entity, settings: &SunShadows) -> Self {
         let (settings, _) = checked(settings);
         let views = world.get::<SunViews>(sun).and_then(|views| views.cameras.get(&camera));
@@ -101,6 +123,7 @@ impl LightMaps {
         Self {
             maps: maps.collect(),
             selection: match (settings.partitions.faces, settings.selection) {
+                _ if settings.light_planes.is_some() => Selection::Finest,
                 (Faces::Apart { .. }, _) => Selection::Finest,
                 (Faces::Together, PartitionSelection::Depth) => Selection::Depth,
                 (Faces::Together, PartitionSelection::BestResolution) => Selection::BestResolution,

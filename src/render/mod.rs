@@ -8,6 +8,7 @@
 //! queue       casters into one binned phase, shared by all light views                       caster::queue
 //! Core3d      depth prepass, Bevy's own shadow passes
 //!             └─► reduce: range of view depths, read back for later frames, if asked for depth_range
+//!             └─► see:   what the camera sees, for light planes, if asked for                light_plane
 //!             └─► plan:  bins of the phase, buffers                                          caster::plan
 //!             └─► cull and draw all light views into the atlas                               caster::pass
 //!             └─► apply: shadow result of every pixel                                        apply
@@ -39,7 +40,9 @@ pub mod gpu_types;
 pub mod heat_map;
 pub mod history;
 pub mod light_maps;
+pub mod light_plane;
 pub mod mask;
+mod read_back;
 #[cfg(feature = "demo")]
 pub mod reference;
 mod shaders;
@@ -106,6 +109,7 @@ impl Plugin for RenderPlugin {
             blur::BlurPlugin,
             drop_in::DropInPlugin,
             heat_map::HeatMapPlugin,
+            light_plane::LightPlanePlugin,
         ));
         let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

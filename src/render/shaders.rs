@@ -58,7 +58,9 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "caster/peel.wgsl");
     embed_shader!(registry, "depth_range/reduce_depths.wgsl");
     embed_shader!(registry, "history/blend_history.wgsl");
+    embed_shader!(registry, "heat_map/map_colors.wgsl");
     embed_shader!(registry, "heat_map/texel_ratio.wgsl");
+    embed_shader!(registry, "light_plane/see_blocks.wgsl");
     embed_shader!(registry, "virtual_map/apply_tile.wgsl");
     embed_shader!(registry, "virtual_map/show_tiles.wgsl");
     embed_shader!(registry, "virtual_map/needs.wgsl");

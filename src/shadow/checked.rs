@@ -68,6 +68,14 @@ pub enum Correction {
         "SunShadows::warp must not be stronger than LiSPSM on the drop-in path, because Bevy's bias cannot follow its texels: LiSPSM is used"
     )]
     DropInWarp,
+    /// `light_planes`.
+    #[error(
+        "SunShadows::light_planes: frusta must be 1 to 8, damping 0 to 10 s; films of tiles cover what was seen, films of the drop-in path (at most 4, by depth) what may be seen: the nearest is used"
+    )]
+    LightPlanes,
+    /// `light_planes` and `maps`.
+    #[error("SunShadows::light_planes: films are maps of an atlas, virtual maps have none: the virtual map is used")]
+    VirtualLightPlanes,
     /// `bias`.
     #[error("SunShadows::bias must be a finite number, 0 or more: 0 is used")]
     Bias,
@@ -131,6 +139,7 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         (wrong.path, Correction::DropInVirtual),
         (wrong.numbers, Correction::VirtualNumbers),
         (wrong.store, Correction::VirtualStore),
+        (wrong.light_planes, Correction::VirtualLightPlanes),
     ];
     corrections.extend(
         kinds
@@ -211,6 +220,13 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         settings.warp = Warp::Lispsm;
         settings.partitions.etas.clear();
         corrections.push(Correction::DropInWarp);
+    }
+    if let Some(planes) = &mut settings.light_planes {
+        let right = planes.checked(settings.path);
+        if *planes != right {
+            *planes = right;
+            corrections.push(Correction::LightPlanes);
+        }
     }
     if is_drop_in && !settings.bias.is_for_drop_in() {
         settings.bias = ShadowBias::default();
@@ -359,7 +375,13 @@ pub(super) fn warn_of(corrections: Vec<Correction>, known: &mut Vec<Correction>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow::settings::{FitSettings, Partitions};
+    use crate::{
+        maths::light_plane::space::{FilmCover, FilmDivision},
+        shadow::{
+            light_plane::LightPlanes,
+            settings::{FitSettings, Partitions},
+        },
+    };
 
     #[test]
     fn presets_need_no_correction() {
@@ -380,6 +402,37 @@ mod tests {
             });
             assert_eq!(right.warp, Warp::Tsm { focus: expected });
             assert_eq!(corrections, [Correction::Focus]);
+        }
+    }
+
+    #[test]
+    fn light_planes_are_limited() {
+        let wrong = LightPlanes {
+            frusta: 9,
+            division: FilmDivision::Tiles,
+            cover: FilmCover::Body,
+            damping: f32::NAN,
+            ..LightPlanes::default()
+        };
+        for (path, frusta, division, cover) in [
+            (ShadowPath::Full, 8, FilmDivision::Tiles, FilmCover::Seen),
+            (ShadowPath::DropIn, 4, FilmDivision::Depth, FilmCover::Body),
+        ] {
+            let (right, corrections) = checked(&SunShadows {
+                path,
+                light_planes: Some(wrong),
+                ..SunShadows::HIGH
+            });
+            let expected = LightPlanes {
+                frusta,
+                division,
+                cover,
+                ..LightPlanes::default()
+            };
+            assert_eq!(
+                (right.light_planes, corrections),
+                (Some(expected), vec![Correction::LightPlanes])
+            );
         }
     }
 

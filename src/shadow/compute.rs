@@ -23,7 +23,7 @@ use crate::maths::{
 
 /// Texels that the full path leaves free at the border of a map: filters read one texel beyond a point or a tap. Filters
 /// with a size in the world get their radius on top ([`world_radius`](super::settings::ShadowFilter::world_radius)).
-const GUARD_TEXELS: f64 = 2.0;
+pub(super) const GUARD_TEXELS: f64 = 2.0;
 
 /// View depths between which a camera sees receivers (Stingl, section 3.3.1). `None` when there is nothing to shadow:
 /// no receiver in view, or no caster in the scene.
@@ -130,14 +130,19 @@ pub fn compute_camera_views(
     })
 }
 
-struct Fitter<'a> {
-    scene: Bounds,
-    light_travel: DVec3,
-    settings: &'a SunShadows,
+/// Fits the light views of one sun.
+pub(super) struct Fitter<'a> {
+    /// Bounds of the scene.
+    pub(super) scene: Bounds,
+    /// Direction in which light travels.
+    pub(super) light_travel: DVec3,
+    /// Settings in range.
+    pub(super) settings: &'a SunShadows,
 }
 
 impl Fitter<'_> {
-    fn partition(&self, part: Part, rect: UVec4, held: &mut Option<HeldMap>) -> PartitionView {
+    /// A part and its light view, with a map in a rectangle of the atlas.
+    pub(super) fn partition(&self, part: Part, rect: UVec4, held: &mut Option<HeldMap>) -> PartitionView {
         let slice = &part.slice;
         let size = match self.settings.maps.texels_per_axis() {
             Some(texels) => UVec2::splat(texels),
@@ -158,7 +163,8 @@ impl Fitter<'_> {
         }
     }
 
-    fn caster_depth_bias(&self, fit: &LightFit) -> f32 {
+    /// [`LightView::caster_depth_bias`] of a fit, on the path of the settings.
+    pub(super) fn caster_depth_bias(&self, fit: &LightFit) -> f32 {
         match self.settings.path {
             ShadowPath::Full => 0.0,
             ShadowPath::DropIn => drop_in::caster_depth_bias(fit, self.settings.bias, self.light_travel) as f32,
@@ -166,7 +172,7 @@ impl Fitter<'_> {
     }
 
     /// The fresh fit of a part, which is missing when the part sees nothing.
-    fn fit(&self, part: &Part, map_size: UVec2) -> Option<LightFit> {
+    pub(super) fn fit(&self, part: &Part, map_size: UVec2) -> Option<LightFit> {
         let input = self.input(part, map_size);
         match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),
@@ -244,7 +250,7 @@ impl Fitter<'_> {
     }
 }
 
-fn light_view(fit: &LightFit, part: &Part, atlas_rect: UVec4) -> LightView {
+pub(super) fn light_view(fit: &LightFit, part: &Part, atlas_rect: UVec4) -> LightView {
     LightView {
         clip_from_world: fit.clip_from_world_f32(),
         world_from_light: fit.world_from_light_f32(),

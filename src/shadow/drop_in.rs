@@ -35,7 +35,7 @@ use super::{
 use crate::maths::fit::{FitInput, LightFit, fit_light_view};
 
 /// Texels that Bevy's widest filter (a Gaussian over 5×5) reads beyond a point, and one for rounding.
-const GUARD_TEXELS: f64 = 4.0;
+pub(super) const GUARD_TEXELS: f64 = 4.0;
 
 /// Normal bias in near texels, before Bevy multiplies it by √2.
 const NORMAL_BIAS: f32 = 0.4;
@@ -117,7 +117,8 @@ pub(super) fn write(
     config: &mut CascadeShadowConfig,
     cascades: &mut Cascades,
 ) {
-    let count = settings.partitions.count as usize;
+    let known = views.cameras.values().next();
+    let count = known.map_or(settings.partitions.count as usize, |views| views.partitions.len());
     for (camera, camera_cascades) in &mut cascades.cascades {
         *camera_cascades = match views.cameras.get(camera) {
             Some(views) => views

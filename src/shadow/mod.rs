@@ -19,6 +19,7 @@ pub mod fitted;
 pub mod full;
 pub mod gizmos;
 pub mod layout;
+pub mod light_plane;
 pub mod measured;
 mod parts;
 pub mod scene_bounds;
@@ -54,6 +55,8 @@ impl Plugin for ShadowPlugin {
         let times = timing::SystemTimes::of(app);
         app.register_required_components::<settings::SunShadows, views::SunViews>()
             .register_required_components::<settings::SunShadows, stable::HeldMaps>()
+            .register_required_components::<settings::SunShadows, light_plane::LightPlaneStates>()
+            .add_systems(PreUpdate, light_plane::ask_cameras)
             .init_resource::<scene_bounds::SceneBounds>()
             .init_resource::<scene_bounds::MeshBounds>()
             .init_resource::<stock::StockMapSize>()

@@ -18,6 +18,7 @@ use crate::maths::{
 };
 
 /// A part of what is seen, and how its light view is fitted.
+#[derive(Clone)]
 pub(super) struct Part {
     /// The slice of the view volume that it lies in.
     pub(super) slice: ViewVolume,

@@ -8,6 +8,7 @@ use bevy::{
 use super::{
     checked::checked,
     drop_in, full,
+    light_plane::LightPlaneStates,
     settings::{ShadowPath, SunShadows},
     stable::HeldMaps,
     views::SunViews,
@@ -58,7 +59,7 @@ pub(super) fn restore_stock_settings(
     }
     commands
         .entity(removed.entity)
-        .try_remove::<(StockSettings, SunViews, HeldMaps)>();
+        .try_remove::<(StockSettings, SunViews, HeldMaps, LightPlaneStates)>();
 }
 
 /// Sets the biases that a light's path needs: the drop-in path replaces Bevy's, the full path leaves them alone.

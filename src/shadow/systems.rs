@@ -10,6 +10,7 @@ use super::{
     checked::{Correction, checked, warn_of},
     compute::{Memory, compute_camera_views, partition_depths, split_range, visible_depths},
     drop_in, full,
+    light_plane::{LightPlaneInput, LightPlaneStates, SeenSurfaces, clip_from_world, film_views},
     measured::{DepthPlan, KnownDepths, MeasuredView, VisibleDepthRange, known_depths},
     scene_bounds::SceneBounds,
     settings::{ShadowPath, SunShadows, WithoutSunShadows},
@@ -26,18 +27,20 @@ use crate::maths::view::ViewVolume;
 /// depths is then the union of what they see.
 pub(super) fn update_sun_views(
     cameras: Query<CameraOfSuns, (With<Camera3d>, Without<WithoutSunShadows>)>,
+    seen_surfaces: Query<&SeenSurfaces>,
     mut lights: Query<(
         &DirectionalLight,
         &GlobalTransform,
         &SunShadows,
         &mut SunViews,
         &mut HeldMaps,
+        &mut LightPlaneStates,
     )>,
     scene: Res<SceneBounds>,
-    time: Res<Time>,
+    time: Option<Res<Time>>,
     mut known: Local<Vec<Correction>>,
 ) {
-    let seconds = time.elapsed_secs_f64();
+    let (seconds, frame_seconds) = time.map_or((0.0, 0.0), |time| (time.elapsed_secs_f64(), time.delta_secs_f64()));
     let viewers: Vec<Viewer> = cameras
         .iter()
         .filter(|camera| camera.camera.is_active)
@@ -53,8 +56,11 @@ pub(super) fn update_sun_views(
             }
         })
         .collect();
-    for (light, transform, settings, mut views, mut held) in &mut lights {
+    for (light, transform, settings, mut views, mut held, mut states) in &mut lights {
         let before = std::mem::take(&mut views.cameras);
+        states
+            .cameras
+            .retain(|camera, _| settings.light_planes.is_some() && cameras.contains(*camera));
         if !light.shadow_maps_enabled {
             held.cameras.clear();
             continue;
@@ -79,6 +85,12 @@ pub(super) fn update_sun_views(
             .iter()
             .map(|seen| seen.range)
             .reduce(|(near, far), (other_near, other_far)| (near.min(other_near), far.max(other_far)));
+        // Cameras on the drop-in path share one list of split distances: films of one would be wrong for the others.
+        let shares_splits = settings.path == ShadowPath::DropIn && seen.len() > 1;
+        let picture = |camera: Entity| {
+            let surfaces = seen_surfaces.get(camera).ok().filter(|_| !shares_splits);
+            surfaces.map(|surfaces| &surfaces.picture)
+        };
         let all_orthographic = seen.iter().all(|seen| seen.view.is_orthographic());
         held.cameras
             .retain(|camera, _| seen.iter().any(|seen| seen.camera == *camera));
@@ -98,7 +110,23 @@ pub(super) fn update_sun_views(
                 previous: before.get(camera),
                 held: held.cameras.entry(*camera).or_default(),
             };
-            let camera_views = compute_camera_views(view, &scene, light_travel, &settings, &depths, plan, memory);
+            let camera_views = match (&settings.light_planes, cameras.get(*camera)) {
+                (Some(planes), Ok(place)) => {
+                    let input = LightPlaneInput {
+                        view,
+                        scene: &scene,
+                        light_travel,
+                        settings: &settings,
+                        planes,
+                        plan,
+                        seen: picture(*camera),
+                        clip_from_world: clip_from_world(place.camera, place.transform),
+                        seconds: frame_seconds,
+                    };
+                    film_views(*camera, &input, memory, &mut states)
+                }
+                _ => compute_camera_views(view, &scene, light_travel, &settings, &depths, plan, memory),
+            };
             if let Some(camera_views) = camera_views {
                 views.cameras.insert(*camera, camera_views);
             }

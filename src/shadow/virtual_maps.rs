@@ -128,6 +128,8 @@ pub(super) struct VirtualCorrections {
     pub(super) numbers: bool,
     /// A store that needs two atlases.
     pub(super) store: bool,
+    /// Light planes besides.
+    pub(super) light_planes: bool,
 }
 
 /// Brings the settings of virtual maps into range.
@@ -151,6 +153,7 @@ pub(super) fn check(settings: &mut SunShadows) -> VirtualCorrections {
         settings.store = super::settings::ShadowStore::Nearest;
         corrections.store = true;
     }
+    corrections.light_planes = settings.light_planes.take().is_some();
     let before = settings.maps.clone();
     match &mut settings.maps {
         ShadowMaps::Partitions => {}
@@ -188,7 +191,7 @@ fn check_refinement(map: &mut QueriedMap) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow::settings::ShadowStore;
+    use crate::shadow::{light_plane::LightPlanes, settings::ShadowStore};
 
     #[test]
     fn defaults_need_no_correction() {
@@ -221,10 +224,11 @@ mod tests {
                 memory: 0,
             }),
             store: ShadowStore::Midpoint,
+            light_planes: Some(LightPlanes::default()),
             ..SunShadows::HIGH
         };
         let corrections = check(&mut settings);
-        assert!(corrections.numbers && corrections.store && !corrections.path);
+        assert!(corrections.numbers && corrections.store && corrections.light_planes && !corrections.path);
         assert_eq!((settings.partitions.count, settings.store), (1, ShadowStore::Nearest));
         let ShadowMaps::Queried(queried) = &settings.maps else {
             panic!("the kind of maps stays");

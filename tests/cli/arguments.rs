@@ -11,7 +11,7 @@ fn wrong_arguments_exit_with_two_and_say_what_there_is() {
         ("shoot a.glb --size 0x9", &["0x9", "1280x720"]),
         ("shoot a.glb --size 9000x9", &["9000x9", "8192"]),
         ("shoot a.glb --technique blur", &["blur", "zp16", "lispsm"]),
-        ("shoot a.glb --technique optimal", &["not available in this version"]),
+        ("shoot a.glb --technique optimum", &["no technique `optimum`", "fitted"]),
         ("shoot a.glb --technique zp4:colour=1", &["colour", "lambda", "filter"]),
         ("shoot a.glb --passes beauty,glow", &["glow", "mask"]),
         ("shoot a.glb --shard 3/2", &["3/2", "I/N"]),

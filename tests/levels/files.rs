@@ -30,8 +30,12 @@ fn every_level_is_read_and_calls_itself_by_its_path() {
         "forest",
         "room/dueling_light",
         "room/fence",
+        "room/grazed_card",
+        "room/light_from_top",
         "room/long_plane",
+        "room/one_plane",
         "room/plane_box",
+        "room/two_planes",
         "room/wires",
         "stress_trees",
     ] {

@@ -5,7 +5,7 @@ use umbrage::{
     prelude::*,
     render::{
         capture,
-        heat_map::{TexelHeatMap, color::heat_color},
+        heat_map::{HeatColors, TexelHeatMap, color::heat_color},
         light_maps::LightMaps,
         mask::ShadowMask,
         reference::{
@@ -49,6 +49,7 @@ fn compare(technique: &str) -> (f64, usize, usize) {
     harness.app.world_mut().entity_mut(camera).insert(TexelHeatMap {
         light_maps: maps.clone(),
         direction_to_light: -LIGHT.normalize(),
+        colors: HeatColors::TexelRatio,
         opacity: 1.0,
     });
     harness.frames(3);

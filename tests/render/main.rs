@@ -9,6 +9,7 @@ mod harness;
 mod heat_map;
 mod identity;
 mod layers;
+mod light_plane;
 mod lighting;
 mod lookup;
 mod partitions;

@@ -144,6 +144,7 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         light_view_count: sun.light_views.len().min(MAX_LIGHT_VIEWS) as u32,
         shadow_distance: sun.shadow_distance,
         selection: match (sun.settings.partitions.faces, sun.settings.selection) {
+            _ if sun.settings.light_planes.is_some() => 3,
             (Faces::Apart { .. }, _) => 3,
             (Faces::Together, PartitionSelection::Depth) => 0,
             (Faces::Together, PartitionSelection::BestResolution) => 1,

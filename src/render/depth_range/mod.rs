@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! Core3d    depth prepass ─► reduce_depths ─► copy into a free read-back buffer            pass
-//! Cleanup   the buffer is mapped; when the GPU is done, the range goes to ArrivedDepths    read_back
-//! PreUpdate of a later frame: ArrivedDepths ─► VisibleDepthRange on the camera             read_back
+//! Cleanup   the buffer is mapped; when the GPU is done, the range goes to ArrivedDepths    arrive
+//! PreUpdate of a later frame: ArrivedDepths ─► VisibleDepthRange on the camera             arrive
 //! ```
 //!
 //! It runs for cameras whose sun asks for [`MeasuredDepths`](crate::shadow::measured::MeasuredDepths).
@@ -14,9 +14,9 @@
 //! The range is one frame late, two with pipelined rendering, more where the GPU lags. While all read-back buffers are on
 //! their way, a frame is not measured. Only what is in the depth prepass counts: transparent surfaces are not.
 
+mod arrive;
 mod pass;
 mod prepare;
-mod read_back;
 
 use bevy::{
     core_pipeline::schedule::{Core3d, Core3dSystems},
@@ -24,7 +24,7 @@ use bevy::{
     render::{Render, RenderApp, RenderStartup, RenderSystems},
 };
 
-pub use read_back::range_of;
+pub use arrive::range_of;
 
 use super::SunShadowPasses;
 use crate::shadow::timing::SystemTimes;
@@ -38,9 +38,9 @@ pub struct DepthRangePlugin;
 impl Plugin for DepthRangePlugin {
     fn build(&self, app: &mut App) {
         let times = SystemTimes::of(app);
-        let arrived = read_back::ArrivedDepths::default();
+        let arrived = arrive::ArrivedDepths::default();
         app.insert_resource(arrived.clone())
-            .add_systems(PreUpdate, read_back::receive_depths);
+            .add_systems(PreUpdate, arrive::receive_depths);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
@@ -51,7 +51,7 @@ impl Plugin for DepthRangePlugin {
                 Render,
                 (
                     prepare::prepare_depth_ranges.in_set(RenderSystems::PrepareResources),
-                    read_back::map_buffers.in_set(RenderSystems::Cleanup),
+                    arrive::map_buffers.in_set(RenderSystems::Cleanup),
                 ),
             )
             .add_systems(

@@ -1,7 +1,5 @@
 //! The reduction: one compute dispatch over the depth prepass.
 
-use std::sync::atomic::Ordering;
-
 use bevy::{
     core_pipeline::prepass::ViewPrepassTextures,
     prelude::*,
@@ -55,10 +53,10 @@ pub(super) fn reduce_depths(
     mut ctx: RenderContext,
 ) {
     let (mut buffers, prepass) = view.into_inner();
-    let (Some(compute), Some(depth), Some(free)) = (
+    let (Some(compute), Some(depth), true) = (
         cache.get_compute_pipeline(pipeline.id),
         prepass.depth.as_ref(),
-        buffers.free(),
+        buffers.read_backs.has_room(),
     ) else {
         return;
     };
@@ -83,8 +81,6 @@ pub(super) fn reduce_depths(
         pass.dispatch_workgroups(size.width.div_ceil(TILE), size.height.div_ceil(TILE), 1);
         span.end(&mut pass);
     }
-    let read_back = &buffers.read_backs[free];
-    encoder.copy_buffer_to_buffer(&buffers.range, 0, &read_back.buffer, 0, buffers.range.size());
-    read_back.is_busy.store(true, Ordering::Release);
-    buffers.current = Some(free);
+    let buffers = &mut *buffers;
+    buffers.read_backs.copy(encoder, &buffers.range);
 }

@@ -1,10 +1,5 @@
 //! Buffers of the reduction, and where this frame was measured from.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
-};
-
 use bevy::{
     prelude::*,
     render::{
@@ -17,12 +12,9 @@ use bevy::{
 
 use super::REDUCE_DEPTHS;
 use crate::{
-    render::{extract::ExtractedSun, gpu_types::GpuDepthRange},
+    render::{extract::ExtractedSun, gpu_types::GpuDepthRange, read_back::ReadBacks},
     shadow::measured::MeasuredView,
 };
-
-/// Read-back buffers of a camera: one on the GPU, one being mapped, one to spare.
-const READ_BACKS: usize = 3;
 
 /// On a camera's render entity: where its range is reduced to, and read back from.
 #[derive(Component)]
@@ -30,50 +22,27 @@ pub(super) struct DepthRangeBuffers {
     /// A [`GpuDepthRange`].
     pub(super) range: Buffer,
     /// Copies on their way.
-    pub(super) read_backs: Vec<ReadBack>,
+    pub(super) read_backs: ReadBacks,
     /// The camera in the main world.
     pub(super) camera: Entity,
     /// From where this frame is measured.
     pub(super) view: MeasuredView,
-    /// The copy of this frame, from when the pass has run until it is mapped.
-    pub(super) current: Option<usize>,
-}
-
-/// A buffer that the CPU can map.
-pub(super) struct ReadBack {
-    pub(super) buffer: Buffer,
-    /// From the copy until its content has arrived.
-    pub(super) is_busy: Arc<AtomicBool>,
 }
 
 impl DepthRangeBuffers {
     fn new(device: &RenderDevice, camera: Entity) -> Self {
-        let create = |usage| {
-            device.create_buffer(&BufferDescriptor {
-                label: Some(REDUCE_DEPTHS),
-                size: GpuDepthRange::min_size().get(),
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let size = GpuDepthRange::min_size().get();
         Self {
-            range: create(BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC),
-            read_backs: (0..READ_BACKS)
-                .map(|_| ReadBack {
-                    buffer: create(BufferUsages::MAP_READ | BufferUsages::COPY_DST),
-                    is_busy: Arc::default(),
-                })
-                .collect(),
+            range: device.create_buffer(&BufferDescriptor {
+                label: Some(REDUCE_DEPTHS),
+                size,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            read_backs: ReadBacks::new(device, REDUCE_DEPTHS, size),
             camera,
             view: MeasuredView::default(),
-            current: None,
         }
-    }
-
-    /// A buffer whose content has arrived.
-    pub(super) fn free(&self) -> Option<usize> {
-        let is_free = |read_back: &ReadBack| !read_back.is_busy.load(Ordering::Acquire);
-        self.read_backs.iter().position(is_free)
     }
 }
 

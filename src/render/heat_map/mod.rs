@@ -1,7 +1,7 @@
 //! [`TexelHeatMap`]: texel ÷ pixel of a technique in color over a camera's picture, live.
 //!
 //! A full-screen pass at the end of post-processing takes position and plane from the prepass, finds the map in which the
-//! shadow is looked up, and compares both footprints on the receiver.
+//! shadow is looked up, and compares both footprints on the receiver; or it shows which map that is.
 
 pub mod color;
 
@@ -36,8 +36,17 @@ use super::{
     shaders,
 };
 
-/// On a camera: shows texel ÷ pixel (root of the ratio of areas) where a shadow is looked up: blue 1/8 and less, green 1,
-/// yellow 2, red 8 and more. Sky and what is in no map stay as they are.
+/// What the colors say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum HeatColors {
+    /// Texel ÷ pixel (root of the ratio of areas): blue 1/8 and less, green 1, yellow 2, red 8 and more.
+    #[default]
+    TexelRatio,
+    /// The map that is read: red, yellow, green, blue and again, in the order of the maps.
+    Maps,
+}
+
+/// On a camera: shows [`HeatColors`] where a shadow is looked up. Sky and what is in no map stay as they are.
 ///
 /// # Limits
 /// At most [`MAX_LIGHT_VIEWS`] maps count; of a virtual map the resolution of its finest tile counts everywhere. The camera needs `Msaa::Off`; with multisampling nothing is drawn.
@@ -48,6 +57,8 @@ pub struct TexelHeatMap {
     pub light_maps: LightMaps,
     /// Unit vector towards the light, world space.
     pub direction_to_light: Vec3,
+    /// What the colors say.
+    pub colors: HeatColors,
     /// 0 shows the picture only, 1 the colors only.
     pub opacity: f32,
 }
@@ -110,7 +121,8 @@ impl Plugin for HeatMapPlugin {
 struct HeatMapPipeline {
     layout: BindGroupLayoutDescriptor,
     fullscreen: FullscreenShader,
-    shader: Handle<Shader>,
+    texel_ratio: Handle<Shader>,
+    map_colors: Handle<Shader>,
 }
 
 /// What one camera needs to be drawn.
@@ -135,20 +147,25 @@ fn init_pipeline(mut commands: Commands, fullscreen: Res<FullscreenShader>, serv
             ),
         ),
         fullscreen: fullscreen.clone(),
-        shader: shaders::load(&server, "heat_map/texel_ratio.wgsl"),
+        texel_ratio: shaders::load(&server, "heat_map/texel_ratio.wgsl"),
+        map_colors: shaders::load(&server, "heat_map/map_colors.wgsl"),
     });
 }
 
 impl SpecializedRenderPipeline for HeatMapPipeline {
-    type Key = TextureFormat;
+    type Key = (TextureFormat, HeatColors);
 
-    fn specialize(&self, format: TextureFormat) -> RenderPipelineDescriptor {
+    fn specialize(&self, (format, colors): Self::Key) -> RenderPipelineDescriptor {
+        let shader = match colors {
+            HeatColors::TexelRatio => &self.texel_ratio,
+            HeatColors::Maps => &self.map_colors,
+        };
         RenderPipelineDescriptor {
             label: Some("umbrage_heat_map".into()),
             layout: vec![self.layout.clone()],
             vertex: self.fullscreen.to_vertex_state(),
             fragment: Some(FragmentState {
-                shader: self.shader.clone(),
+                shader: shader.clone(),
                 targets: vec![Some(ColorTargetState {
                     format,
                     blend: Some(BlendState::ALPHA_BLENDING),
@@ -182,7 +199,11 @@ fn prepare(
         let mut parameters = UniformBuffer::from(heat_map.parameters());
         parameters.write_buffer(&device, &queue);
         commands.entity(entity).insert(PreparedHeatMap {
-            pipeline: pipelines.specialize(&cache, &heat_map_pipeline, target.main_texture_format()),
+            pipeline: pipelines.specialize(
+                &cache,
+                &heat_map_pipeline,
+                (target.main_texture_format(), heat_map.colors),
+            ),
             parameters,
         });
     }

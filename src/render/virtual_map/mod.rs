@@ -41,11 +41,11 @@ use bevy::{
         Render, RenderApp, RenderStartup, RenderSystems,
         diagnostic::{DiagnosticsRecorder, RecordDiagnostics},
         render_resource::{
-            Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, LoadOp, MapMode, Operations,
-            PollType, RenderPassColorAttachment, RenderPassDescriptor, StoreOp, Texture, TextureDescriptor,
-            TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
+            Buffer, CommandEncoderDescriptor, Extent3d, LoadOp, Operations, RenderPassColorAttachment,
+            RenderPassDescriptor, StoreOp, Texture, TextureDescriptor, TextureDimension, TextureUsages, TextureView,
+            TextureViewDescriptor,
         },
-        renderer::{CurrentView, PendingCommandBuffers, RenderContext, RenderDevice, RenderQueue},
+        renderer::{CurrentView, RenderContext, RenderDevice},
         sync_world::MainEntity,
         view::ExtractedView,
     },
@@ -63,6 +63,7 @@ use super::{
     caster::{CasterStatistics, pass::storage_buffer, plan::CasterPlan, prepare::TILE_SLOTS},
     extract::ExtractedSun,
     gpu_types::GpuTileReport,
+    read_back::{ReadBack, submit_now},
 };
 use crate::{
     maths::virtual_map::{picture::PixelRect, queried::TileReport},
@@ -268,30 +269,15 @@ impl TileFrame<'_> {
     /// for the GPU; `None` if it is lost.
     pub fn read_back(&mut self, source: &Buffer) -> Option<Vec<u8>> {
         self.context.apply(self.world);
-        let mut commands = self.world.resource_mut::<PendingCommandBuffers>().take();
-        let device = self.world.resource::<RenderDevice>();
-        let buffer = device.create_buffer(&BufferDescriptor {
-            label: Some("umbrage_read_back"),
-            size: source.size(),
-            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let device = self.world.resource::<RenderDevice>().clone();
+        let memory = ReadBack::new(&device, &[source.size()]);
         let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor {
             label: Some("umbrage_read_back"),
         });
-        encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, source.size());
-        commands.push(encoder.finish());
-        self.world.resource::<RenderQueue>().submit(commands);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        buffer.slice(..).map_async(MapMode::Read, move |answer| {
-            // The receiver lives until the answer is there.
-            let _ = sender.send(answer);
-        });
-        device.poll(PollType::wait_indefinitely()).ok()?;
-        receiver.recv().ok()?.ok()?;
+        memory.copy(&mut encoder, std::slice::from_ref(source));
+        submit_now(self.world, encoder);
         self.report.read_backs += 1;
-        let bytes = buffer.slice(..).get_mapped_range().to_vec();
-        Some(bytes)
+        memory.read(&device)?.pop()
     }
 
     /// A copy of the shadow result for counting.

@@ -10,7 +10,7 @@ pub use seams::{SeamWidth, Seams};
 
 use bevy::{light::DirectionalLight, prelude::*};
 
-use super::{measured::MeasuredDepths, stable::Stability, virtual_maps::ShadowMaps};
+use super::{light_plane::LightPlanes, measured::MeasuredDepths, stable::Stability, virtual_maps::ShadowMaps};
 use crate::maths::warp::Warp;
 
 /// Sharp sun shadows for a [`DirectionalLight`]: add it to the light's entity.
@@ -29,9 +29,12 @@ pub struct SunShadows {
     pub partitions: Partitions,
     /// The perspective warp of every partition. On the drop-in path none stronger than `LiSPSM`.
     pub warp: Warp,
+    /// Perspective-optimal light planes instead of partitions and warp, which then mean nothing.
+    pub light_planes: Option<LightPlanes>,
     /// How light views are fitted.
     pub fit: FitSettings,
-    /// Texels per side of one partition's map; of balanced maps: on average. Memory: 4 bytes per texel and partition
+    /// Texels per side of one partition's map; of balanced maps: on average; of light planes: of the square that all maps
+    /// share. Memory: 4 bytes per texel and partition
     /// (2048²: 16 MiB each). Useful 256..=4096; default 2048, Bevy's own.
     pub map_size: u32,
     /// Which map a point reads where several cover it. Means nothing on the drop-in path, where Bevy picks by view depth.
@@ -290,6 +293,7 @@ impl SunShadows {
             maps: ShadowMaps::Partitions,
             partitions: Partitions::slices(count),
             warp: Warp::Lispsm,
+            light_planes: None,
             fit: FitSettings::BEST,
             map_size,
             selection: PartitionSelection::BestResolution,

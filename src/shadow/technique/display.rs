@@ -187,7 +187,7 @@ mod tests {
             let near = near.filter(|_| !measured.near);
             let partitions = Partitions { count, scheme, faces, etas, resolution };
             let full = SunShadows {
-                path, maps: ShadowMaps::Partitions, partitions, warp, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, measured, stable, fallback_map,
+                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, measured, stable, fallback_map,
             };
             match path {
                 ShadowPath::Full => full,

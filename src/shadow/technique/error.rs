@@ -7,12 +7,6 @@ use super::{base::available, keys, warps};
 /// Why a text is no technique.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum TechniqueError {
-    /// Planned, not built.
-    #[error("`{name}` is not available in this version; available are {}", available())]
-    Later {
-        /// The base or warp.
-        name: String,
-    },
     /// No such base.
     #[error("there is no technique `{name}`; available are {}", available())]
     Base {

@@ -8,6 +8,7 @@
 //! | `zp4`, `zp4+lispsm` | z-partitions (1..=16), without and with a warp |
 //! | `fp+lispsm`, `fp2+lispsm` | face partitions of one slice or several (1..=4), at most 16 maps |
 //! | `tiled`, `queried`, `fitted` | virtual maps, also with a warp: `queried+lispsm` |
+//! | `optimal`, `optimal:frusta=4` | perspective-optimal light planes, from what the camera sees |
 //!
 //! The keys and their values are listed by [`keys`]. Texels are budgeted: one map has 4096², several share 4096² in a square
 //! grid of cells ([`default_map_size`]), so that techniques compare at equal memory.
@@ -23,6 +24,7 @@ mod fit_keys;
 mod fitted_keys;
 mod lookup_keys;
 mod measured_keys;
+mod optimal_keys;
 mod pairs;
 mod parse;
 mod partition_keys;
@@ -40,6 +42,7 @@ use bevy::{light::CascadeShadowConfig, prelude::*};
 use super::{
     fitted::FittedMaps,
     layout::cells_per_side,
+    light_plane::{LightPlaneStates, LightPlanes},
     measured::MeasureUse,
     settings::{Faces, MapResolution, SunShadows},
     stable::HeldMaps,
@@ -144,6 +147,16 @@ impl Technique {
                 ..SunShadows::LOW
             })
         };
+        let light_planes = |frusta| {
+            Self::Umbrage(SunShadows {
+                light_planes: Some(LightPlanes {
+                    frusta,
+                    ..LightPlanes::default()
+                }),
+                map_size: default_map_size(1),
+                ..SunShadows::HIGH
+            })
+        };
         vec![
             Self::Bevy(StockBias::default()),
             of(1, Warp::Uniform),
@@ -164,6 +177,8 @@ impl Technique {
             })),
             virtual_map(ShadowMaps::Queried(QueriedMaps::default())),
             virtual_map(ShadowMaps::Fitted(FittedMaps::default())),
+            light_planes(1),
+            light_planes(4),
         ]
     }
 
@@ -186,6 +201,16 @@ impl Technique {
             }
             Self::Bevy(_) => return "stock cascades".to_owned(),
         };
+        if let Some(planes) = &settings.light_planes {
+            let films = match planes.frusta {
+                1 => "one film".to_owned(),
+                count => format!("up to {count} films"),
+            };
+            return format!(
+                "{films} over what the camera sees, {0} x {0} texels together",
+                settings.map_size
+            );
+        }
         let maps = match (settings.partitions.faces, settings.partitions.count) {
             (Faces::Together, 1) => "one map".to_owned(),
             (Faces::Together, count) => format!("{count} z-partitions"),
@@ -252,7 +277,7 @@ impl Technique {
     pub fn apply(&self, sun: &mut EntityCommands) {
         match *self {
             Self::Bevy(bias) => {
-                sun.remove::<(SunShadows, SunViews, HeldMaps)>()
+                sun.remove::<(SunShadows, SunViews, HeldMaps, LightPlaneStates)>()
                     .insert(CascadeShadowConfig::default())
                     .queue(move |mut sun: EntityWorldMut| bias.write(&mut sun));
             }

@@ -128,6 +128,7 @@ mod tests {
                 ..Partitions::slices(3)
             },
             warp: Warp::Free { eta: -0.25 },
+            light_planes: None,
             map_size: 500,
             selection: PartitionSelection::Depth,
             filter: ShadowFilter::Hard,
@@ -230,8 +231,8 @@ mod tests {
     fn errors_say_what_is_wrong_and_what_there_is() {
         for (text, parts) in [
             (
-                "optimal",
-                &["`optimal`", "not available in this version", "zp16", "lispsm"][..],
+                "optimum",
+                &["no technique `optimum`", "optimal", "fitted", "zp16", "lispsm"][..],
             ),
             ("fp5", &["`fp5`", "1 to 4"]),
             ("fp0", &["`fp0`", "1 to 4"]),

@@ -1,6 +1,6 @@
 //! Names of the warps.
 
-use super::{base, error::TechniqueError};
+use super::error::TechniqueError;
 use crate::maths::warp::Warp;
 
 /// Every warp that has a name, as it is without keys.
@@ -21,7 +21,6 @@ pub(super) fn names() -> String {
 pub(super) fn read(text: &str) -> Result<Warp, TechniqueError> {
     match WARPS.into_iter().find(|(name, _)| *name == text) {
         Some((_, warp)) => Ok(warp),
-        None if base::is_planned(text) => Err(TechniqueError::Later { name: text.to_owned() }),
         None => Err(TechniqueError::Warp { name: text.to_owned() }),
     }
 }

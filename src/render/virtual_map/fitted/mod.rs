@@ -15,9 +15,7 @@ pub mod overlay;
 pub mod parameters;
 pub mod pipeline;
 pub mod plan;
-pub mod read_back;
-
-use std::time::Instant;
+pub use std::time::Instant;
 
 use bevy::{
     math::Vec4Swizzles,
@@ -35,11 +33,15 @@ use self::{
     measure::NeedBuffers,
     parameters::PictureCamera,
     plan::{FittedFrame, FittedRequest},
-    read_back::{ReadBack, submit_now},
 };
 use super::{TileFrame, tiles::margin};
 use crate::{
-    render::{atlas::prepare_atlas, caster::prepare::prepare_caster_views, extract::ExtractedSun},
+    render::{
+        atlas::prepare_atlas,
+        caster::prepare::prepare_caster_views,
+        extract::ExtractedSun,
+        read_back::{ReadBack, submit_now},
+    },
     shadow::{
         fitted::{FittedMaps, NeedFeedback},
         views::LightView,

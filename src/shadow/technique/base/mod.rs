@@ -3,6 +3,7 @@
 //! A base is a file of this folder and a line of [`BASES`]. Keys that only some bases take belong to their topics.
 
 mod faces;
+mod optimal;
 mod virtual_maps;
 mod z_partitions;
 
@@ -12,16 +13,14 @@ use super::{error::TechniqueError, pairs::Topic, warps};
 use crate::{maths::warp::Warp, shadow::settings::SunShadows};
 
 /// Every base but `bevy`; the last takes all settings that are no other's.
-pub(super) const BASES: [&Base; 5] = [
+pub(super) const BASES: [&Base; 6] = [
     &virtual_maps::TILED,
     &virtual_maps::QUERIED,
     &virtual_maps::FITTED,
+    &optimal::BASE,
     &faces::BASE,
     &z_partitions::BASE,
 ];
-
-/// What is planned but not built yet; named so that the error can say so.
-const PLANNED: [&str; 1] = ["optimal"];
 
 /// One kind of technique.
 pub(super) struct Base {
@@ -44,11 +43,7 @@ pub(super) fn read(text: &str, warp: Option<Warp>) -> Result<(&'static Base, Sun
             return Ok((base, settings));
         }
     }
-    if is_planned(text.trim_end_matches(|letter: char| letter.is_ascii_digit())) {
-        Err(TechniqueError::Later { name: text.to_owned() })
-    } else {
-        Err(TechniqueError::Base { name: text.to_owned() })
-    }
+    Err(TechniqueError::Base { name: text.to_owned() })
 }
 
 /// The base that settings belong to.
@@ -57,11 +52,6 @@ pub(super) fn of(settings: &SunShadows) -> &'static Base {
         .into_iter()
         .find(|base| (base.owns)(settings))
         .unwrap_or(&z_partitions::BASE)
-}
-
-/// Whether this will be a base.
-pub(super) fn is_planned(text: &str) -> bool {
-    PLANNED.contains(&text)
 }
 
 /// All that can stand before the colon, for messages.

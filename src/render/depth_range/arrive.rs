@@ -1,8 +1,8 @@
 //! From the GPU back to the cameras of the main world.
 
-use std::sync::{Arc, Mutex, PoisonError, atomic::Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use bevy::{prelude::*, render::render_resource::MapMode};
+use bevy::prelude::*;
 
 use super::prepare::DepthRangeBuffers;
 use crate::{
@@ -53,32 +53,19 @@ pub fn range_of(reduced: &GpuDepthRange, view: MeasuredView) -> VisibleDepthRang
 /// Maps the copies of the frame just submitted; their ranges arrive when the GPU has made them.
 pub(super) fn map_buffers(mut cameras: Query<&mut DepthRangeBuffers>, arrived: Res<ArrivedDepths>) {
     for mut buffers in &mut cameras {
-        let Some(current) = buffers.current.take() else {
-            continue;
-        };
-        let read_back = &buffers.read_backs[current];
-        let (buffer, is_busy) = (read_back.buffer.clone(), read_back.is_busy.clone());
         let (arrived, camera, view) = (arrived.clone(), buffers.camera, buffers.view);
-        read_back.buffer.slice(..).map_async(MapMode::Read, move |result| {
-            // A device that is lost has no range; the frame says so elsewhere.
-            if result.is_ok() {
-                let words: Vec<u32> = {
-                    let bytes = buffer.slice(..).get_mapped_range();
-                    let (words, _) = bytes.as_chunks();
-                    words.iter().copied().map(u32::from_le_bytes).collect()
+        buffers.read_backs.map(move |bytes| {
+            let (words, _) = bytes.as_chunks();
+            let words: Vec<u32> = words.iter().copied().map(u32::from_le_bytes).collect();
+            if let [nearest, farthest, pixel_count, padding] = words[..] {
+                let reduced = GpuDepthRange {
+                    nearest,
+                    farthest,
+                    pixel_count,
+                    padding,
                 };
-                buffer.unmap();
-                if let [nearest, farthest, pixel_count, padding] = words[..] {
-                    let reduced = GpuDepthRange {
-                        nearest,
-                        farthest,
-                        pixel_count,
-                        padding,
-                    };
-                    arrived.push(camera, range_of(&reduced, view));
-                }
+                arrived.push(camera, range_of(&reduced, view));
             }
-            is_busy.store(false, Ordering::Release);
         });
     }
 }
