@@ -9,6 +9,7 @@ mod closed_forms;
 mod coverage;
 mod cull;
 mod depth_offset;
+mod depth_range;
 mod drop_in;
 mod eye_blur;
 mod face;

@@ -3,7 +3,7 @@
 use bevy_math::{DVec3, UVec2};
 use umbrage::maths::{
     bounds::Bounds,
-    fit::{Fit, FitInput, FitOptions, LightFit, ProjectionCenter, Unfit, WarpAxis, fit_light_view},
+    fit::{DepthRange, Fit, FitInput, FitOptions, LightFit, ProjectionCenter, Unfit, WarpAxis, fit_light_view},
     view::ViewVolume,
     warp::{GuardNorm, OptimumRule, Warp, WarpSpan, frustum_extent},
 };
@@ -20,6 +20,7 @@ const UNGUARDED: FitOptions = FitOptions {
     face_start: None,
     guard: false,
     guard_norm: GuardNorm::Storage,
+    depths: DepthRange::Bodies,
 };
 
 fn warped(far: f64, light: DVec3, options: FitOptions) -> (ViewVolume, LightFit) {
@@ -308,4 +309,9 @@ fn options_without_an_answer_are_named() {
         };
         assert_eq!(outcome(options), Fit::Degenerate(Unfit::NotFinite));
     }
+    let options = FitOptions {
+        depths: DepthRange::Receivers { room: f64::NAN },
+        ..FitOptions::default()
+    };
+    assert_eq!(outcome(options), Fit::Degenerate(Unfit::NotFinite));
 }

@@ -5,6 +5,7 @@ use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2};
 use super::{
     FitInput,
     bodies::{Bodies, ChosenWarp},
+    options::DepthRange,
 };
 
 /// The focus matrix A_fit (Stingl, equation 3.1) multiplied with the warp, written out so that the uniform map is the
@@ -44,11 +45,15 @@ impl Focus {
         let middle = bodies.body.iter().map(|point| point.y).sum::<f64>() / bodies.body.len() as f64;
         let texel_size = texel_sides(warp.width(middle)).element_product().sqrt();
 
+        let (casters, room) = match input.options.depths {
+            DepthRange::Bodies => (&bodies.body[..], 0.0),
+            DepthRange::Receivers { room } => (&[][..], room.max(0.0)),
+        };
         let (farthest, nearest) = padded_range(
-            bodies.visible.iter().chain(&bodies.body).flat_map(|point| {
+            bodies.visible.iter().chain(casters).flat_map(|point| {
                 let width = warp.width(point.y);
                 let margin = 2.0 * texel_sides(width).max_element() + bodies.smallest;
-                [-margin, margin].map(|offset| (point.z + offset) / width)
+                [-margin, margin + room].map(|offset| (point.z + offset) / width)
             }),
             bodies.smallest,
         );

@@ -24,7 +24,7 @@ use focus::Focus;
 pub(in crate::maths) use focus::padded_range;
 
 pub use axes::LightAxes;
-pub use options::{FitOptions, ProjectionCenter, WarpAxis};
+pub use options::{DepthRange, FitOptions, ProjectionCenter, WarpAxis};
 
 /// What a light view is fitted to.
 #[derive(Clone, Copy, Debug)]
@@ -153,13 +153,15 @@ impl LightFit {
 /// Fits a light view: align light space with the view, warp, focus on the bodies (Stingl, sections 3.1.2 and 3.2.1).
 ///
 /// The projection centre is the continuous one of Stingl, section 4.1, unless [`FitOptions::center`] says otherwise: beside the point of the view axis at the depth of
-/// the nearest point of LVS. It has that point's light-space z too. The papers leave z open, since texels do not depend on
-/// it, but depths do: they are (z − z_c) ÷ w, and a step dy along the warp axis on a surface with slope m changes them by
+/// the nearest point of LVS. It has the light-space z of that point of the view axis too. Texels do not depend on z; Lloyd and
+/// Stingl leave it open, and Scherzer 2005, section 4.4, takes that of the eye, which is n cos γ away. Depths do depend on
+/// it: they are (z − z_c) ÷ w, and a step dy along the warp axis on a surface with slope m changes them by
 /// (m − (z − z_c) ÷ (n' + y)) dy ÷ w. With z_c at the viewer the second term is the slope of a line from about the eye to
 /// the surface, which the view frustum bounds; with z_c in the middle of B, tens of metres above the receivers, it would
 /// demand many times the bias. The guard of [`guarded_eta`](super::warp::guarded_eta) weakens the warp where it would do harm. Bodies that are flat
 /// along an axis are padded. All of B lies inside the clip box, with `guard_texels` to spare in x and y, and in depth with
-/// two local texels (in world space) on both sides.
+/// two local texels (in world space) on both sides; with [`DepthRange::Receivers`] H alone does in depth, and what of B is
+/// nearer to the light has depths above 1.
 pub fn fit_light_view(input: &FitInput) -> Fit {
     match fitted(input) {
         Ok(fit) => Fit::Fitted(fit),

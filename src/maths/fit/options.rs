@@ -32,6 +32,8 @@ pub struct FitOptions {
     pub guard: bool,
     /// What the guard keeps small. What lies in front of the pseudo-near plane or behind the pseudo-far one does not count.
     pub guard_norm: GuardNorm,
+    /// What the depths of the map range over.
+    pub depths: DepthRange,
 }
 
 impl Default for FitOptions {
@@ -46,6 +48,7 @@ impl Default for FitOptions {
             face_start: None,
             guard: true,
             guard_norm: GuardNorm::Storage,
+            depths: DepthRange::Bodies,
         }
     }
 }
@@ -62,11 +65,41 @@ impl FitOptions {
 
     /// True when a depth is NaN.
     pub(super) fn is_nan(&self) -> bool {
-        [self.pseudo_near, self.pseudo_far, self.visible_far, self.face_start]
-            .into_iter()
-            .flatten()
-            .any(f64::is_nan)
+        let room = match self.depths {
+            DepthRange::Bodies => None,
+            DepthRange::Receivers { room } => Some(room),
+        };
+        [
+            self.pseudo_near,
+            self.pseudo_far,
+            self.visible_far,
+            self.face_start,
+            room,
+        ]
+        .into_iter()
+        .flatten()
+        .any(f64::is_nan)
     }
+}
+
+/// What lies between the depths 0 and 1 of a map. Neither texels nor the warp depend on it: B has the outline of H.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum DepthRange {
+    /// All of B: every caster has a depth of its own, as filters that measure the distance of casters need it.
+    #[default]
+    Bodies,
+    /// The receivers H alone (Lloyd, section 6.4). Whatever lies nearer to the light than they do has to be drawn with its
+    /// depth clamped to 1, by the rasteriser: w is constant along a light ray, so it still shades all of H below it, and
+    /// nothing else is lost. The steps of depth become finer by the height of B ÷ that of H, which matters for maps of 16
+    /// or 24 bits; single precision with reverse z, whose steps near 0 are far finer than a texel anyway, hardly gains.
+    ///
+    /// Not for casters that are told apart among each other: a second surface in front of H is clamped like the first, and
+    /// a search for blockers finds all of them at the border of H.
+    Receivers {
+        /// Metres left free towards the light, at least what lookups add to a receiver (the bias): a receiver that is moved
+        /// beyond depth 1 would pass every clamped caster.
+        room: f64,
+    },
 }
 
 /// Where the projection centre of the warp lies, across the warp axis.
