@@ -161,8 +161,16 @@ impl OverheadRange {
         1.0 + (self.far - self.near) / warp_near
     }
 
-    /// m_z of the optimal, logarithmic map, the same at all depths: ln α ÷ 2 tan Θ (Lloyd, appendix C); its m_x is 1. So
-    /// this is its S̄ too. No matrix draws such a map.
+    /// t of the optimal, logarithmic map at a view depth, 0 at n and 1 at f: t = ln(z ÷ n) ÷ ln(f ÷ n) (Lloyd, appendix C).
+    ///
+    /// A pixel is 2 tan Θ · z long, so a map whose error is to be the same everywhere must have dz ÷ dt in proportion to z;
+    /// this is the only such t. Across, s = x ÷ (2 z tan Θ) + ½ as for `PSM`. A matrix can only give dz ÷ dt in proportion to
+    /// (z + c)² (appendix A): none draws such a map, in which lines are curves.
+    pub fn logarithmic_place(&self, depth: f64) -> f64 {
+        (depth / self.near).ln() / self.depth_ratio().ln()
+    }
+
+    /// m_z of that map, the same at all depths: z⁻¹ dz ÷ dt ÷ 2 tan Θ = ln α ÷ 2 tan Θ; its m_x is 1. So this is its S̄ too.
     pub fn logarithmic_error_along(&self) -> f64 {
         self.depth_ratio().ln() / self.opening
     }

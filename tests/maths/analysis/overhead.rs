@@ -179,6 +179,30 @@ fn critical_and_balanced_resolutions() {
     close(small, (865.159 / 6.5536_f64).sqrt(), 1.0e-4);
 }
 
+/// Lloyd, appendix C and oracle 2: the logarithmic map has one error at all depths, that of its closed form, and √(n f) in
+/// its middle as a `LiSPSM` map has; no warp comes near its storage.
+#[test]
+fn the_logarithmic_map() {
+    let range = range(0.5, 400.0);
+    let place = |depth: f64| range.logarithmic_place(depth);
+    assert_eq!((place(0.5), place(400.0)), (0.0, 1.0));
+    close(place(200.0_f64.sqrt()), 0.5, 1.0e-12);
+    for depth in [0.6, 2.0, 14.0, 300.0] {
+        let step = depth * 1.0e-5;
+        let depth_per_map = 2.0 * step / (place(depth + step) - place(depth - step));
+        close(
+            depth_per_map / (OPENING * depth),
+            range.logarithmic_error_along(),
+            1.0e-8,
+        );
+    }
+    for eta in [-1.0, -0.3, 0.0, 0.4, 1.0] {
+        let warped = range.largest_errors(range.warp_near(OverheadWarp::Strength { eta }));
+        let storage = warped.storage_factor() / range.logarithmic_error_along();
+        assert!(storage > 100.0, "{eta}: {storage} times as many texels");
+    }
+}
+
 /// Lloyd, oracle 18: how much of the map the frustum covers.
 #[test]
 fn covered_shares_of_the_map() {
