@@ -170,9 +170,11 @@ pub enum StoredDepth {
     BackFaces,
     /// The second surface from the light (Wang and Molnar 1994): as back faces, without relying on winding.
     SecondDepth,
-    /// The middle between both (Woo 1992).
+    /// The middle between both (Woo 1992). As the pass draws second surfaces, nothing is stored where there is none: a
+    /// single sheet shades nothing but what is itself in the map.
     Midpoint,
-    /// The middle, but at most so far behind the nearest surface (after Weiskopf and Ertl 2003).
+    /// The middle, but at most so far behind the nearest surface (after Weiskopf and Ertl 2003); so far where there is no
+    /// second one.
     Dual {
         /// Largest distance from the nearest surface, in depth.
         largest: f32,
@@ -186,6 +188,7 @@ impl StoredDepth {
         match self {
             Self::Nearest => nearest,
             Self::BackFaces | Self::SecondDepth => second,
+            Self::Midpoint if second <= 0.0 => 0.0,
             Self::Midpoint => (nearest + second) * 0.5,
             Self::Dual { largest } => nearest - ((nearest - second) * 0.5).min(largest),
         }

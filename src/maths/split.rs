@@ -128,7 +128,9 @@ pub struct VisibleDepths {
 }
 
 /// Share of the depth by which [`VisibleDepths::range`] should widen what an older picture has measured: at 60 pictures a
-/// second it covers a viewer who approaches a wall 1 m away at 6 m/s.
+/// second it covers a viewer who approaches a wall 1 m away at 6 m/s. No margin covers what enters from beside the picture;
+/// where that must not lose its shadow, only the warp may follow an older picture
+/// ([`late_near`](super::near_plane::late_near)), not the range.
 pub const VISIBLE_MARGIN: f64 = 0.1;
 
 impl VisibleDepths {

@@ -10,7 +10,7 @@ use umbrage::maths::{
     warp::{Warp, WarpSpan},
 };
 
-use crate::support::{OPENING, close, errors, fit_with, papers_camera, roomy_scene};
+use crate::support::{OPENING, close, errors, fit_with, light_at, papers_camera, roomy_scene};
 
 /// Scherzer, oracles 1, 2 and 5; equations 2 and 3.
 #[test]
@@ -37,6 +37,22 @@ fn the_warp_axis_and_the_projection_center() {
         center.distance(view.eye() - fit.axes.y * (fit.warp_near - 1.0)) < 1.0e-4,
         "equation 2: {center}"
     );
+    // Tilted light: still n_opt before the near end of B, in the plane of light and view; along the light it is beside the
+    // view axis at the nearest depth, n cos γ from the eye's height that the paper takes.
+    for degrees in [40.0_f64, 60.0, 140.0] {
+        let light = light_at(degrees);
+        let options = FitOptions {
+            guard: false,
+            ..FitOptions::default()
+        };
+        let fit = fit_with(&view, &roomy_scene(), light, Warp::Lispsm, options);
+        let center = fit.world_from_light.w_axis.truncate() - fit.axes.y * fit.warp_near - view.eye();
+        assert!(center.dot(fit.axes.x).abs() < 1.0e-9, "{degrees}°: {center}");
+        let start = view.corners(1.0, 100.0).map(|corner| fit.axes.y.dot(corner));
+        let start = start.into_iter().fold(f64::INFINITY, f64::min);
+        close(center.dot(fit.axes.y), start - fit.warp_near, 1.0e-9);
+        close(center.dot(-fit.axes.z), degrees.to_radians().cos(), 1.0e-9);
+    }
 }
 
 /// Scherzer, section 3.4 and oracle 13: the middle vector.

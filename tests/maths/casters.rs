@@ -99,6 +99,20 @@ fn visible_depths_must_not_cut_the_body() {
 
     let body = intersection_body(&light_visible(&view, &scene), &scene, light_travel);
     assert!(touches(&body, &tree));
-    let cut = body.clip(&HalfSpace::through(eye + DVec3::NEG_Z * visible_far, DVec3::NEG_Z));
+    let cut = body
+        .clone()
+        .clip(&HalfSpace::through(eye + DVec3::NEG_Z * visible_far, DVec3::NEG_Z));
     assert!(!touches(&cut, &tree));
+
+    // Receivers may be cut there, if the depths are those of this very picture: B of what is left has the tree still.
+    let receivers = light_visible(&view.split(0.1, visible_far), &scene);
+    let shrunk = intersection_body(&receivers, &scene, light_travel);
+    assert!(
+        touches(&shrunk, &tree),
+        "B of the visible receivers has what shades them"
+    );
+    assert!(shrunk.volume() < 0.8 * body.volume(), "and is smaller");
+    for vertex in shrunk.vertices() {
+        assert!(body.contains(*vertex, 1.0e-6), "{vertex}");
+    }
 }

@@ -215,7 +215,9 @@ fn maps_of_back_faces() {
             nothing
         }
     };
-    let stored = |kind: StoredDepth| atlas(move |x, z| kind.combine(front(x, z), back(x, z)));
+    let depth = |height: f32| height / HEIGHT + 0.5;
+    let stored =
+        |kind: StoredDepth| atlas(move |x, z| (kind.combine(depth(front(x, z)), depth(back(x, z))) - 0.5) * HEIGHT);
     let (nearest, culled) = (stored(StoredDepth::Nearest), stored(StoredDepth::BackFaces));
     for x in 0..64 {
         for y in 0..64 {
@@ -244,5 +246,37 @@ fn maps_of_back_faces() {
         }
     }
     assert_eq!(differences, 0, "no moiré without any bias, and the same shadow");
-    assert_eq!(StoredDepth::SecondDepth.combine(0.8, 0.0), 0.0, "nothing behind");
+    // Nothing behind: the pass of the second surface leaves the cleared map.
+    assert_eq!(StoredDepth::SecondDepth.combine(0.8, 0.0), 0.0);
+    assert_eq!(StoredDepth::Midpoint.combine(0.8, 0.0), 0.0);
+    assert!((StoredDepth::Midpoint.combine(0.8, 0.2) - 0.5).abs() < 1e-6);
+    assert!((StoredDepth::Dual { largest: 0.1 }.combine(0.8, 0.0) - 0.7).abs() < 1e-6);
+}
+
+/// Scherzer, section 4.2, row 8: behind the warp a comparison decides as with linear depth, bias included. An offset of
+/// linear depth is one of metres.
+#[test]
+fn linear_depth_decides_as_the_maps_depth_does() {
+    let light_view = fit(&papers_camera(0.1, 70.0), &huge_scene(), light_at(70.0), Warp::Lispsm);
+    let (towards_light, light_z) = (-light_at(70.0).normalize(), light_view.axes.z);
+    let (lowest, highest) = (-200.0, 200.0);
+    let linear = |point: DVec3| linear_depth(light_z.dot(point), lowest, highest);
+    let mapped = |point: DVec3| light_view.clip_from_world.project_point3(point).z;
+    for depth in [0.1, 0.9, 8.0, 69.0] {
+        let receiver = DVec3::new(0.2, -0.1, -1.0) * depth;
+        for (bias, distance) in [
+            (0.0, 0.001),
+            (0.0, -0.001),
+            (0.05, 0.049),
+            (0.05, 0.051),
+            (0.05, 9.0),
+            (2.0, 1.9),
+        ] {
+            let caster = receiver + towards_light * distance;
+            let in_linear = linear(caster) > linear(receiver) + bias / (highest - lowest);
+            let in_map = mapped(caster) > mapped(receiver) + bias * light_view.depth_per_metre_at(receiver);
+            assert_eq!(in_linear, in_map, "{distance} m above {receiver}, bias {bias}");
+            assert_eq!(in_map, distance > bias);
+        }
+    }
 }

@@ -247,7 +247,48 @@ fn the_warp_of_a_face() {
     }
 }
 
-/// Over a whole frustum the guard changes next to nothing, wherever the light is.
+/// Lloyd, section 5.1: the warp axis of a side halves the angle between its projected corner lines, for light from
+/// anywhere. Their plain sum, as it is printed, leans to the longer one.
+#[test]
+fn the_axis_of_a_side_is_the_bisector() {
+    let view = papers_camera(1.0, 100.0);
+    let visible = light_visible(&view, &huge_scene());
+    let corners = view.corners(1.0, 1.0);
+    let (mut sides, mut leaning) = (0, 0);
+    for light in hemisphere(9, 16) {
+        for partition in face_partitions(&view, &visible, light, &FaceOptions::default()) {
+            let edges = match partition.face {
+                FrustumFace::Bottom => [0, 1],
+                FrustumFace::Right => [1, 2],
+                FrustumFace::Top => [2, 3],
+                FrustumFace::Left => [3, 0],
+                FrustumFace::All | FrustumFace::Near => continue,
+            }
+            .map(|corner| corners[corner].reject_from(light));
+            let axis = partition.axes.y;
+            let [first, second] = edges.map(|edge| axis.dot(edge.normalize()));
+            close(first, second, 1.0e-9);
+            assert!(
+                first > 0.0 && axis.dot(light).abs() < 1.0e-9,
+                "{:?} for {light}",
+                partition.face
+            );
+            let in_their_middle = (edges[0].normalize() + edges[1].normalize()).normalize();
+            assert!(
+                axis.distance(in_their_middle) < 1.0e-6,
+                "{:?} for {light}",
+                partition.face
+            );
+            sides += 1;
+            leaning += i32::from((edges[0] + edges[1]).normalize().distance(axis) > 0.05);
+        }
+    }
+    assert!(
+        sides > 300 && leaning > 60,
+        "{sides} sides, of {leaning} the sum is another axis"
+    );
+}
+
 /// What is drawn is what is computed: the fit of a partition has its n', also where a side is stretched over the near face.
 #[test]
 fn fits_have_the_warp_of_their_face() {
@@ -294,6 +335,7 @@ fn fits_have_the_warp_of_their_face() {
     }
 }
 
+/// Over a whole frustum the guard changes next to nothing, wherever the light is.
 #[test]
 fn the_guard_leaves_whole_faces_alone() {
     for degrees in (0..=180).step_by(5).map(f64::from) {

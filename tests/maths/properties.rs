@@ -263,7 +263,8 @@ proptest! {
         }
     }
 
-    /// A warped map is never much worse than the unwarped one, by the measure of storage, wherever the light is.
+    /// A warped map is never worse than the unwarped one by more than a fiftieth, by the measure of storage, wherever the
+    /// light is.
     #[test]
     fn the_guard_holds(direction in direction(), far in 5.0..2000.0) {
         let view = ViewVolume::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 1.5, 0.5, far).unwrap();
@@ -272,12 +273,14 @@ proptest! {
         let storage = |warp| {
             let fit = fit(&view, &scene, direction, warp);
             let errors = visible.vertices().iter().map(|vertex| {
-                let lengths = texel_footprint(&fit.clip_from_world, UVec2::splat(1024), *vertex).unwrap().lengths();
-                lengths / view.depth(*vertex)
+                let footprint = texel_footprint(&fit.clip_from_world, UVec2::splat(1024), *vertex).unwrap();
+                // Beside the axis texels are sheared; the papers count their extent along it.
+                DVec2::new(footprint.across.length(), footprint.along.dot(fit.axes.y)) / view.depth(*vertex)
             }).fold(DVec2::ZERO, DVec2::max);
             errors.x * errors.y
         };
         let (uniform, warped) = (storage(Warp::Uniform), storage(Warp::Lispsm));
-        prop_assert!(warped <= uniform * 3.0, "{warped} against {uniform}");
+        // The guard's tolerance of a fiftieth.
+        prop_assert!(warped <= uniform * 1.021, "{warped} against {uniform}");
     }
 }
