@@ -2,7 +2,9 @@
 
 use super::{
     Figure, Panels,
-    data::{CONE_NOTE, ERRATUM_NOTE, OPENING, along_view, axis, camera, curve, light_at, overhead, ratios, single},
+    data::{
+        CONE_NOTE, ERRATUM_NOTE, OPENING, along_view, axis, camera, curve, light_at, overhead, ratios, single, sliced,
+    },
 };
 use crate::{
     maths::{
@@ -12,6 +14,7 @@ use crate::{
             overhead::OverheadWarp,
         },
         error::LargestErrors,
+        split::SplitScheme,
         storage::{LightPlace, PartitionScheme, closed_storage_factor, crossover_maps, storage_factor_of_maps},
     },
     plot::{Axis, Curve, Curves, HeatMap, Scale},
@@ -112,6 +115,23 @@ pub(super) const FIGURES: &[Figure] = &[
         source: "Lloyd et al. 2006, figure 13",
         notes: &["Below the curve z-partitions (ZP, ZP+W), above it face partitions (FP+ZP+W)."],
         panels: || Panels::Curves(vec![crossovers()]),
+    },
+    Figure {
+        name: "lloyd-sec5-seams",
+        title: "Error along the view of four slices: what jumps at their seams, light overhead",
+        source: "After Lloyd et al. 2006, section 5.2: f ÷ n = 1000",
+        notes: &[
+            "Chosen: Θ = 30°. With LiSPSM m_z is continuous and m_x jumps by α^(1 ÷ 2k); with PSM m_x is continuous and m_z \
+            jumps by α^(1 ÷ k).",
+        ],
+        panels: || {
+            let slices = |name, warp| sliced(name, 1.0, 1000.0, &SplitScheme::Logarithmic, 4, warp);
+            Panels::Curves(along_view(&[
+                slices("ZP4", OverheadWarp::Uniform),
+                slices("ZP4+W, LiSPSM", OverheadWarp::Lispsm),
+                slices("ZP4+W, PSM", OverheadWarp::Psm),
+            ]))
+        },
     },
     Figure {
         name: "lloyd-sec5-worst-direction",

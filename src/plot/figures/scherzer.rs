@@ -5,7 +5,10 @@ use super::{
     data::{along_view, axis, curve, ratios, single},
 };
 use crate::{
-    maths::{analysis::overhead::OverheadWarp, warp::WarpSpan},
+    maths::{
+        analysis::overhead::OverheadWarp,
+        warp::{OptimumRule, WarpSpan},
+    },
     plot::{Curves, Scale},
 };
 
@@ -16,7 +19,7 @@ pub(super) const FIGURES: &[Figure] = &[
         source: "After Scherzer 2005, equation 1: near 0.1, depth extent 69.9",
         notes: &[
             "The extent is held for all angles. As printed, equation 1 takes it for a view depth; levelled errors take its \
-            part along the view, extent · sin γ, and warp more.",
+            part along the view, extent · sin γ, and warp more. The copied program also divides the near depth by sin γ.",
         ],
         panels: || Panels::Curves(vec![optimal_parameters()]),
     },
@@ -41,19 +44,21 @@ pub(super) const FIGURES: &[Figure] = &[
 fn optimal_parameters() -> Curves {
     let (near, extent) = (0.1, 69.9);
     let angles = ratios(0.1, 90.0, 200);
-    let sine = |degrees: f64| degrees.to_radians().sin();
-    let derived = |degrees: f64| WarpSpan::directional(extent, near, sine(degrees)).optimal_warp_near();
-    let literal = |degrees: f64| (near + (near * (near + extent)).sqrt()) / sine(degrees);
+    let reading = |label: &str, rule| {
+        let optimum = |degrees: f64| {
+            let sine = degrees.to_radians().sin();
+            WarpSpan::directional_by(rule, extent, near, sine).optimal_warp_near()
+        };
+        curve(label, angles.clone().map(|degrees| (degrees, optimum(degrees))))
+    };
     Curves {
         title: "n_opt".to_owned(),
         x: axis("angle between light and view, degrees", Scale::Logarithmic),
         y: axis("n_opt, metres", Scale::Logarithmic),
         curves: vec![
-            curve(
-                "from levelled errors",
-                angles.clone().map(|degrees| (degrees, derived(degrees))),
-            ),
-            curve("as printed", angles.map(|degrees| (degrees, literal(degrees)))),
+            reading("from levelled errors", OptimumRule::Derived),
+            reading("as printed", OptimumRule::Literal),
+            reading("of the widely copied program", OptimumRule::Demo),
         ],
     }
 }
