@@ -23,14 +23,13 @@ use super::error::LargestErrors;
 /// Critical resolution res_s* × res_t* in texels: the smallest size of a map without errors above 1 (Lloyd, section
 /// 4.2). `picture_height` is res_i: picture pixels along the direction whose opening the errors were computed with.
 pub fn critical_size(errors: &LargestErrors, picture_height: f64) -> DVec2 {
-    DVec2::new(errors.across, errors.along) * picture_height
+    errors.critical_resolution(picture_height)
 }
 
 /// The size of a map with a number of texels and the same error in both directions (Lloyd, equations 13 and 14), in
 /// texels, not rounded. Not finite for errors of zero.
 pub fn budgeted_size(errors: &LargestErrors, texels: f64) -> DVec2 {
-    let aspect = errors.across / errors.along;
-    DVec2::new((texels * aspect).sqrt(), (texels / aspect).sqrt())
+    errors.balanced_resolution(texels)
 }
 
 /// The largest error of a map of this size, in texels per pixel: M = res_i · max(M_x ÷ res_s, M_z ÷ res_t).
