@@ -24,7 +24,7 @@ pub enum SplitScheme {
     Logarithmic,
     /// `(1 − lambda) · uniform + lambda · logarithmic` (equation 3.8), lambda in 0..=1.
     Practical {
-        /// 0: uniform, 1: logarithmic.
+        /// 0: uniform, 1: logarithmic; the thesis' default is 0.5, which NaN counts as.
         lambda: f32,
     },
     /// Inner split distances in metres of view depth, ascending; values outside the range are clamped into it.

@@ -299,6 +299,7 @@ fn settings_reach_the_fit() {
         "lispsm:axis=middle",
         "lispsm:optimum=demo",
         "lispsm:pseudo_near=9",
+        "lispsm:pseudo_far=12",
     ] {
         assert_ne!(matrix(text), default, "{text}");
     }

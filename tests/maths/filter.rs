@@ -88,7 +88,16 @@ fn two_by_two() {
         let smooth = bilinear(&map, &at, texel);
         assert!((smooth - last.unwrap_or(smooth)).abs() < 0.02, "a jump at {step}");
         last = Some(smooth);
-        assert!([0.0, 1.0].contains(&hard(&map, &at)));
+        // No filter: the one texel that holds the receiver. The roof's edge lies between two texels.
+        let x = step as f32 * 0.005 - 1.0;
+        if x.abs() > 1e-3 {
+            assert_eq!(hard(&map, &at), if x < 0.0 { 0.0 } else { 1.0 }, "at {x}");
+        }
+    }
+    // Beside the middle of a texel that is half covered the unfiltered edge is a whole texel's, the filtered one is not.
+    let shifted = atlas(|x, _| if x < 0.3 { 5.0 } else { 0.0 });
+    for (x, expected) in [(0.05, 0.0), (0.45, 0.0), (0.55, 1.0)] {
+        assert_eq!(hard(&shifted, &ground_at(x)), expected, "at {x}");
     }
     assert_eq!(bilinear(&map, &ground_at(-3.0), receiver_texel(&ground_at(-3.0))), 0.0);
     assert_eq!(last, Some(1.0));
@@ -209,6 +218,40 @@ fn discs_blur_by_their_radius() {
             lit(x)
         );
     }
+}
+
+/// Stingl, section 3.5: filters hide crawl. A map that moves by parts of a texel changes the result of a standing receiver;
+/// the energy of that change (the square of it, metres of edge) falls from no filter to 2 x 2 taps to a wide disc.
+#[test]
+fn filters_hide_crawl() {
+    let kernel = scaled(
+        &kernel_per_metre(overhead(), &plane_at(Vec3::ZERO, Vec3::Y), Vec3::Y),
+        2.0,
+    );
+    let texel = 2.0 * EXTENT / SIZE;
+    let energy = |filter: &dyn Fn(f32, f32) -> f32| {
+        let mut sum = 0.0;
+        for shift in 1..8 {
+            for place in -300..300 {
+                let (moved, x) = (shift as f32 / 8.0 * texel, place as f32 * 0.01 + 0.005);
+                sum += (filter(moved, x) - filter(0.0, x)).powi(2);
+            }
+        }
+        sum / 7.0 * 0.01
+    };
+    // The roof and the receiver move instead of the map.
+    let map = |moved: f32| atlas(move |x, _| if x < moved { 5.0 } else { 0.0 });
+    let unfiltered = energy(&|moved, x| hard(&map(moved), &ground_at(x + moved)));
+    let smooth = energy(&|moved, x| {
+        let at = ground_at(x + moved);
+        bilinear(&map(moved), &at, receiver_texel(&at))
+    });
+    let wide = energy(&|moved, x| disc(&map(moved), &ground_at(x + moved), &kernel, 32, 0.4, true));
+    // The unfiltered edge is off by the shift or by the rest of a texel: the mean of 1, 2, 3, 4, 3, 2, 1 eighths of half a metre.
+    assert!((unfiltered - 1.0 / 7.0).abs() < 2.0e-3, "{unfiltered}");
+    let (smooth, wide) = (smooth / unfiltered, wide / unfiltered);
+    assert!((0.27..0.33).contains(&smooth), "{smooth} is left by 2 x 2 taps");
+    assert!((0.03..0.07).contains(&wide), "{wide} is left by a disc of four texels");
 }
 
 /// A sun with a size: the width of the penumbra follows the height of the roof.

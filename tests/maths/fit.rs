@@ -10,7 +10,7 @@ use umbrage::maths::{
     warp::Warp,
 };
 
-use crate::support::{bodies, close, fit, huge_scene, light_at, papers_camera};
+use crate::support::{bodies, close, errors, fit, huge_scene, light_at, papers_camera};
 
 fn ndc(fit: &LightFit, point: DVec3) -> DVec3 {
     fit.clip_from_world.project_point3(point)
@@ -140,6 +140,27 @@ fn a_third_of_the_range_gives_a_third_of_the_texel() {
         ((499.0 * 500.0) / (1499.0 * 1500.0_f64)).sqrt(),
         1.0e-6,
     );
+}
+
+/// Stingl, figures 3.4 and 3.5, oracle 16: the standard map up to f = 1500 m against the focused one up to 500 m. Its largest
+/// errors fall to a third, and the errors at the far end stay 1 across and K ÷ f along.
+#[test]
+fn standard_and_focused_maps_have_the_published_errors() {
+    let largest = |far: f64, scene: Bounds| {
+        let view = papers_camera(1.0, far);
+        let fit = fit(&view, &scene, DVec3::NEG_Y, Warp::Uniform);
+        let last = far.min(-scene.min.z);
+        close(errors(&fit, &view, DVec3::NEG_Z * last).x, 1.0, 1.0e-4);
+        errors(&fit, &view, DVec3::NEG_Z)
+    };
+    let standard = largest(1500.0, huge_scene());
+    close(standard.x, 1500.0, 1.0e-4);
+    close(standard.y, 1298.2, 1.0e-4);
+    // The camera sees as far as before; the scene ends at 500 m.
+    let focused = largest(1500.0, Bounds::new(DVec3::splat(-500.0), DVec3::splat(500.0)));
+    close(focused.x, 500.0, 1.0e-4);
+    close(focused.y, 432.1, 1.0e-3);
+    close(focused.y / standard.y, 0.3329, 1.0e-3);
 }
 
 #[test]

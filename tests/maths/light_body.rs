@@ -135,6 +135,20 @@ fn the_focused_body_lies_in_the_unfocused_one() {
         for vertex in body.vertices() {
             assert!(whole.contains(*vertex, 1.0e-6), "{vertex} of {light:?}");
         }
+        // Nothing but V and the light: its corners are theirs, or V's a reach towards the sun.
+        let corners = view.corners(view.near(), view.far());
+        for vertex in whole.vertices() {
+            let is_corner = |point: DVec3| point.distance(*vertex) < 1.0e-6;
+            let swept = |corner: DVec3| corner + light.towards(corner) * 1000.0;
+            let is_known = corners.iter().any(|corner| is_corner(*corner))
+                || match light.position() {
+                    Some(position) => is_corner(position),
+                    None => corners.iter().any(|corner| is_corner(swept(*corner))),
+                };
+            assert!(is_known, "{vertex} is no corner of V and {light:?}");
+        }
+        assert!(light.position().is_none_or(|position| whole.contains(position, 1.0e-6)));
+        assert!(corners.iter().all(|corner| whole.contains(*corner, 1.0e-6)), "all of V");
         assert!(body.volume() < 0.5 * whole.volume(), "S cuts useless space: {light:?}");
     }
 }

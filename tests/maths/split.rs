@@ -7,9 +7,10 @@ use umbrage::maths::{
     error::{error_across, error_along},
     split::{PseudoPlanes, SplitScheme, VISIBLE_MARGIN, VisibleDepths, pseudo_split_depths, split_depths},
     view::ViewVolume,
+    warp::Warp,
 };
 
-use crate::support::{OPENING, close};
+use crate::support::{OPENING, close, errors, fit, papers_camera, roomy_scene};
 
 #[track_caller]
 fn assert_depths(actual: &[f64], expected: &[f64]) {
@@ -52,6 +53,70 @@ fn the_practical_scheme_spans_uniform_to_logarithmic() {
     for (lambda, scheme) in [(0.0, SplitScheme::Uniform), (1.0, SplitScheme::Logarithmic)] {
         let practical = split_depths(&SplitScheme::Practical { lambda }, 0.3, 70.0, 7);
         assert_depths(&practical, &split_depths(&scheme, 0.3, 70.0, 7));
+    }
+}
+
+/// Stingl, equations 3.6 and 3.7, figures 3.12 and 3.15: the first distance, m_x at the near plane, of both pure schemes.
+#[test]
+fn uniform_and_logarithmic_splits_have_the_published_distances() {
+    for (count, uniform, logarithmic) in [
+        (2, 250.5, 22.3607),
+        (4, 125.75, 4.7287),
+        (8, 63.375, 2.1746),
+        (16, 32.1875, 1.4746),
+    ] {
+        let first = |scheme| split_depths(&scheme, 1.0, 500.0, count)[1];
+        close(first(SplitScheme::Uniform), uniform, 1.0e-9);
+        close(first(SplitScheme::Logarithmic), logarithmic, 1.0e-4);
+    }
+    assert_depths(
+        &split_depths(&SplitScheme::Uniform, 1.0, 500.0, 4),
+        &[1.0, 125.75, 250.5, 375.25, 500.0],
+    );
+}
+
+/// Stingl, oracle 12 and figure 3.15 through the matrices: every slice is focused on itself. Were it on the whole view,
+/// m_x would be 500 ÷ z in all of them.
+#[test]
+fn slices_are_focused_on_themselves() {
+    let view = papers_camera(1.0, 500.0);
+    let practical = SplitScheme::Practical { lambda: 0.5 };
+    for (count, across, along) in [
+        (2, 136.43, 117.29),
+        (4, 65.24, 55.63),
+        (8, 32.77, 27.52),
+        (16, 16.83, 13.71),
+    ] {
+        let depths = split_depths(&practical, 1.0, 500.0, count);
+        for (index, range) in depths.windows(2).enumerate() {
+            let slice = view.split(range[0], range[1]);
+            let fit = fit(&slice, &roomy_scene(), DVec3::NEG_Y, Warp::Uniform);
+            let at = |depth: f64| errors(&fit, &view, DVec3::NEG_Z * depth);
+            close(at(range[0]).x, range[1] / range[0], 1.0e-4);
+            close(at(range[1]).x, 1.0, 1.0e-4);
+            close(at(range[0]).y, (range[1] - range[0]) / (OPENING * range[0]), 1.0e-4);
+            if index == 0 {
+                close(at(1.0).x, across, 1.0e-3);
+                close(at(1.0).y, along, 1.0e-3);
+            }
+        }
+    }
+}
+
+/// Stingl, section 3.4: one strength for all logarithmic slices is a warp that follows the split scheme.
+#[test]
+fn one_strength_follows_the_split_scheme() {
+    let view = papers_camera(1.0, 500.0);
+    let depths = split_depths(&SplitScheme::Logarithmic, 1.0, 500.0, 4);
+    for eta in [-0.5, 0.0, 0.4] {
+        let warp_near = |range: &[f64]| {
+            let slice = view.split(range[0], range[1]);
+            fit(&slice, &roomy_scene(), DVec3::NEG_Y, Warp::Free { eta }).warp_near
+        };
+        let first = warp_near(&depths[..2]);
+        for range in depths.windows(2) {
+            close(warp_near(range), first * range[0] / depths[0], 1.0e-6);
+        }
     }
 }
 

@@ -24,6 +24,7 @@ fn every_bias_removes_moire_and_keeps_shadows() {
         "store=second,bias=none",
         "store=midpoint,bias=none",
         "store=back",
+        "store=back,bias=slope",
         "store=second",
         "store=midpoint",
     ] {

@@ -23,7 +23,8 @@
 //! (`umbrage judge room/fence --shot along --along camera --frames 31 --size 160x90`, four maps of 256².) What is left of a
 //! grid that stands still is the residue of resampling sharp edges, so the sharper maps seem to crawl more.
 //!
-//! Filters hide what is left, often enough on their own (the thesis again): a kernel of a few texels blurs the crawl.
+//! Filters hide what is left, often enough on their own (the thesis again): of the crawl energy of a straight edge in a map
+//! that moves by parts of a texel, 2 x 2 weighted taps leave 0.30 and a disc with a radius of four texels leaves 0.05.
 //!
 //! The first two need axes that do not turn with the camera ([`fixed_axes`]), the last carries its own.
 

@@ -10,7 +10,7 @@ use crate::maths::{
     split::SplitScheme,
 };
 
-/// The practical split scheme with its default.
+/// The practical split scheme with the thesis' default.
 const PRACTICAL: SplitScheme = SplitScheme::Practical { lambda: 0.5 };
 
 pub(super) const FIGURES: &[Figure] = &[

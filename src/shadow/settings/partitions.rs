@@ -15,7 +15,8 @@ pub struct Partitions {
     /// Whether every slice is cut again, into one part per face of the view frustum. Not on the drop-in path.
     pub faces: Faces,
     /// Strengths of [`Warp::Free`](crate::maths::warp::Warp::Free) in each slice, near to far, each −1..=1 (Stingl, section
-    /// 3.4). Slices without one take the warp's own. Usually empty.
+    /// 3.4). Slices without one take the warp's own. Usually empty: one strength for all is the thesis' other way, one value
+    /// that follows the split scheme, since with logarithmic splits under light from overhead it makes n'_i = n'_0 C_i ÷ C_0.
     pub etas: Vec<f32>,
     /// How the texels are divided among the maps. Not on the drop-in path.
     pub resolution: MapResolution,
