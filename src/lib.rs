@@ -3,7 +3,7 @@
 //! The crate is a house of rooms; imports point down only (`tests/rooms.rs` holds it):
 //!
 //! ```text
-//! cli ──► demo ──► ui, plot ──► level ──► render ──► shadow ──► maths
+//! cli ──► demo ──► ui, plot ──► level ──► render ──► shadow, lod ──► maths
 //!  └────────────────────────────────────────────► forge (on its own)
 //! ```
 //!
@@ -11,7 +11,8 @@
 //! |---|---|---|
 //! | [`maths`] | intersection bodies, splits, warps, fits, footprints: values in, values out | none |
 //! | [`shadow`] | main-world ECS: settings, scene bounds, light views, the drop-in path, gizmos | `render` |
-//! | [`render`] | render world: caster phase, shadow atlas, shadow result texture, bridge into Bevy | `render` |
+//! | [`lod`] | main-world ECS: chains of levels of detail, which level they show, transitions | `render` |
+//! | [`render`] | render world: caster phase, shadow atlas, shadow result texture, bridge into Bevy, fading levels | `render` |
 //! | [`forge`] | assets from code: trees, undergrowth, rocks as glTF files; no GPU | `forge` |
 //! | [`level`] | levels: `.level.ron` assets, generators of forest, city and rooms | `demo` |
 //! | [`ui`] | head-up display, help, menus | `demo` |
@@ -25,6 +26,8 @@ pub mod maths;
 #[cfg(feature = "plot")]
 pub mod plot;
 
+#[cfg(feature = "render")]
+pub mod lod;
 #[cfg(feature = "render")]
 pub mod render;
 #[cfg(feature = "render")]
@@ -44,6 +47,11 @@ pub mod ui;
 pub mod prelude {
     #[doc(hidden)]
     pub use crate::{
+        lod::{
+            chain::LodChain,
+            eyes::LodView,
+            settings::{LodDriver, LodKind, LodSettings, LodShadows, LodTransition},
+        },
         maths::{split::SplitScheme, warp::Warp},
         render::UmbragePlugins,
         shadow::{

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     level::scene::SceneSource,
+    lod::settings::{LodKind, LodShadows},
     shadow::technique::{PRESETS, Technique, TechniqueError},
 };
 
@@ -39,6 +40,8 @@ pub enum Command {
     Judge(Judge),
     /// Measure what techniques cost along a camera path: a table, bench.json, bench.csv and plots
     Bench(Bench),
+    /// Measure how much changes of levels of detail are seen along a camera path: a table, pop.json and a film strip
+    Pop(Pop),
     /// Draw the papers' figures of error and storage from the formulas: PNG and CSV
     Plot(Plot),
     /// Rebuild the models in assets/models from code
@@ -63,6 +66,9 @@ pub struct Play {
     /// A bundle of technique and budget: low, medium, high or ultra
     #[arg(long, value_name = "P", value_parser = preset)]
     pub preset: Option<Technique>,
+    /// How levels of detail take each other's place: hard, late, plain, dither or unpopping
+    #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
+    pub lod: LodKind,
 }
 
 impl Default for Play {
@@ -71,6 +77,7 @@ impl Default for Play {
             scene: SceneSource::level("forest"),
             technique: None,
             preset: None,
+            lod: LodKind::default(),
         }
     }
 }
@@ -108,6 +115,9 @@ pub struct Shoot {
     /// Also one sheet per shot and kind of picture, with all techniques in so many columns
     #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(1..=32))]
     pub sheet: Option<u32>,
+    /// How levels of detail are chosen and take each other's place: hard, late, plain, dither or unpopping
+    #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
+    pub lod: LodKind,
     /// Only every N-th shot, beginning with the I-th (from 1)
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,
@@ -169,9 +179,45 @@ pub struct Bench {
     /// Print ratios to this technique, which is measured in the same run
     #[arg(long, value_name = "T")]
     pub against: Option<NamedTechnique>,
+    /// How levels of detail take each other's place: hard, late, plain, dither or unpopping
+    #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
+    pub lod: LodKind,
     /// Size of the pictures in pixels [default: 1280x720]
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
+    /// Where the files go
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `pop`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct Pop {
+    /// A level (forest, city), with settings (stress_trees:count=1000)
+    #[arg(value_name = "SCENE")]
+    pub scene: SceneSource,
+    /// The camera path, as `list paths SCENE` names it [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub path: Option<String>,
+    /// A kind of transition: hard, late, plain, dither or unpopping; may be given several times [default: hard, dither,
+    /// plain, unpopping]
+    #[arg(long = "kind", value_name = "KIND", value_parser = lod_kind)]
+    pub kinds: Vec<LodKind>,
+    /// Which levels cast shadows during a crossing: solid, both or fading
+    #[arg(long, value_name = "WHICH", value_parser = lod_shadows, default_value = "fading")]
+    pub shadows: LodShadows,
+    /// Places on the path where the camera stops and watches
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub stops: u32,
+    /// Frames watched at each, at 60 per second, while the levels' eye walks on
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(2..=3600))]
+    pub frames: u32,
+    /// The technique of the sun's shadows
+    #[arg(long, value_name = "T", default_value = "zp4+lispsm")]
+    pub technique: NamedTechnique,
+    /// Size of the pictures in pixels
+    #[arg(long, value_name = "WxH", default_value = "480x270")]
+    pub size: Size,
     /// Where the files go
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
@@ -252,6 +298,22 @@ fn preset(name: &str) -> Result<Technique, String> {
             PRESETS.map(|(name, _)| name).join(", ")
         )
     })
+}
+
+fn lod_kind(name: &str) -> Result<LodKind, String> {
+    LodKind::named(name).ok_or_else(|| {
+        let names = LodKind::ALL.map(LodKind::name).join(", ");
+        format!("there is no kind of transition `{name}`; there are {names}")
+    })
+}
+
+fn lod_shadows(name: &str) -> Result<LodShadows, String> {
+    match name {
+        "solid" => Ok(LodShadows::Solid),
+        "both" => Ok(LodShadows::Both),
+        "fading" => Ok(LodShadows::Fading),
+        _ => Err(format!("`{name}` casts no shadows; there are solid, both, fading")),
+    }
 }
 
 #[cfg(test)]
@@ -404,6 +466,9 @@ mod tests {
             "umbrage bench forest --frames 0",
             "umbrage bench forest --frames 100001",
             "umbrage bench forest --against stock",
+            "umbrage pop forest --kind sudden",
+            "umbrage pop forest --shadows none",
+            "umbrage shoot forest --lod sudden",
             "umbrage play --preset best",
             "umbrage list",
         ] {

@@ -21,6 +21,7 @@ use bevy::{
     prelude::*,
     render::{
         Render, RenderApp, RenderPlugin, RenderSystems,
+        error_handler::{RenderErrorHandler, RenderErrorPolicy},
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{CachedPipelineState, PipelineCache},
         renderer::{RenderAdapterInfo, RenderGraph, RenderGraphSystems},
@@ -83,6 +84,10 @@ pub fn app(root: &AssetRoot) -> Result<App, NoAdapter> {
         app.add_plugins(plugins);
     }
     app.insert_resource(TimeUpdateStrategy::ManualDuration(TIME_STEP));
+    app.insert_resource(RenderErrorHandler(|error, main_world, _| {
+        main_world.insert_resource(RenderFailure(error.description.clone()));
+        RenderErrorPolicy::StopRendering
+    }));
     if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
         render_app
             .init_resource::<Submission>()
@@ -101,6 +106,10 @@ pub fn app(root: &AssetRoot) -> Result<App, NoAdapter> {
     }
     Ok(app)
 }
+
+/// What the GPU refused to do: from then on nothing is drawn, and pictures stay as they are.
+#[derive(Resource)]
+struct RenderFailure(String);
 
 /// Ends the building of the app: waits for its plugins and finishes them.
 pub fn finish(app: &mut App) {
@@ -205,13 +214,16 @@ pub enum Pipelines {
     Ready,
     /// Some wait for shaders to be loaded.
     Waiting,
-    /// One cannot be built; what the compiler says.
+    /// One cannot be built, or what it draws is refused; what the compiler or the GPU says.
     Failed(String),
 }
 
 /// The state of all pipelines.
 #[must_use]
 pub fn pipelines(app: &App) -> Pipelines {
+    if let Some(failure) = app.world().get_resource::<RenderFailure>() {
+        return Pipelines::Failed(failure.0.clone());
+    }
     let Some(cache) = app
         .get_sub_app(RenderApp)
         .and_then(|render_app| render_app.world().get_resource::<PipelineCache>())

@@ -1,4 +1,4 @@
-//! The command line: `play`, `shoot`, `judge`, `bench`, `plot`, `forge`, `list`.
+//! The command line: `play`, `shoot`, `judge`, `bench`, `pop`, `plot`, `forge`, `list`.
 //!
 //! Exit codes: 0 done; 1 could not do it, with one sentence on stderr; 2 wrong arguments. Pictures and tables are the
 //! result: what goes to stdout is one line per result, everything else goes to stderr.
@@ -13,6 +13,7 @@ pub mod pass;
 pub mod pictures;
 mod play;
 mod plot;
+mod pop;
 pub mod shoot;
 pub mod shots;
 pub mod stability;
@@ -85,6 +86,7 @@ fn run(args: Args) -> Result<(), Failure> {
         Some(Command::Judge(judge_args)) if judge_args.stability.along.is_empty() => judge::run(assets, &judge_args),
         Some(Command::Judge(judge_args)) => stability::run(assets, &judge_args),
         Some(Command::Bench(bench_args)) => bench::run(assets, &bench_args),
+        Some(Command::Pop(pop_args)) => pop::run(assets, &pop_args),
         Some(Command::Plot(plot_args)) => plot::run(&plot_args),
         Some(Command::Forge(forge_args)) => forge::run(assets, &forge_args),
         Some(Command::List { what }) => list::run(assets, &what),

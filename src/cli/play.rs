@@ -30,6 +30,7 @@ pub(super) fn run(assets: Option<&Path>, args: &Play) -> Result<(), Failure> {
     let options = PlayOptions {
         scene: args.scene.clone(),
         technique: args.technique(),
+        lod: args.lod,
         assets: root,
     };
     match demo::run(options) {
@@ -59,6 +60,7 @@ fn flight_args(args: &Play) -> Shoot {
         size: None,
         passes: vec![Pass::Beauty],
         sheet: None,
+        lod: args.lod,
         shard: Shard::ALL,
         out: FLIGHT_FOLDER.into(),
     }

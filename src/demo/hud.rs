@@ -19,6 +19,7 @@ use super::{
 };
 use crate::{
     level::{LoadedScene, Sun, sky::course::clock},
+    lod::LodCounts,
     shadow::{measured::VisibleDepthRange, technique::Technique},
     ui::hud::HudText,
 };
@@ -109,6 +110,7 @@ fn write_status(
     players: Query<(&Player, Option<&VisibleDepthRange>)>,
     suns: Query<&Transform, With<Sun>>,
     day: Res<Day>,
+    levels: Option<Res<LodCounts>>,
     mut hud: ResMut<HudText>,
 ) {
     let smoothed = |path| diagnostics.get(&path).and_then(|diagnostic| diagnostic.smoothed());
@@ -144,6 +146,12 @@ fn write_status(
             "sun {:.0} deg from north, {:.1} deg high",
             angles.azimuth.to_degrees().rem_euclid(360.0),
             angles.elevation.to_degrees()
+        ));
+    }
+    if let Some(counts) = levels.filter(|counts| counts.chains > 0) {
+        lines.push(format!(
+            "{} objects in levels, {} changing",
+            counts.chains, counts.crossings
         ));
     }
     if let Some(hour) = day.hour {

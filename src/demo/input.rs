@@ -58,6 +58,8 @@ pub enum Action {
     ToggleBob,
     /// The next overlay.
     NextOverlay,
+    /// The next way in which levels of detail take each other's place.
+    NextLod,
     /// Show or hide the view from outside.
     ToggleOutside,
     /// Freeze the frame and compare it with truth, or go on.
@@ -196,6 +198,7 @@ pub const ROWS: &[Row] = {
         playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
         playing("let the day run, stop it", &[(Key(KeyCode::KeyK), ToggleDay)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
+        playing("levels of detail", &[(Key(KeyCode::KeyV), NextLod)]),
         playing("outside view", &[(Key(KeyCode::F5), ToggleOutside)]),
         playing("judge the frozen frame against truth", &[(Key(KeyCode::KeyJ), Judge)]),
         playing("photo into out/", &[(Key(KeyCode::KeyP), Photo)]),

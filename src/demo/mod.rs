@@ -18,6 +18,7 @@ mod heat_map;
 mod hud;
 pub mod input;
 mod judge;
+mod levels_of_detail;
 pub mod outside;
 pub mod overlay;
 mod photo;
@@ -112,6 +113,7 @@ impl Plugin for DemoPlugin {
                 photo::plugin,
                 judge::plugin,
                 heat_map::plugin,
+                levels_of_detail::plugin,
                 hud::plugin,
             ));
     }

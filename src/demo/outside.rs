@@ -17,6 +17,7 @@ use super::{
 };
 use crate::{
     level::sky::UnderSky,
+    lod::eyes::LodView,
     shadow::{gizmos::SunShadowGizmos, settings::WithoutSunShadows},
     ui::{help::HelpRoot, judge::JudgeRoot},
 };
@@ -100,6 +101,10 @@ fn spawn_or_despawn(mut commands: Commands, wanted: Res<OutsideView>, cameras: Q
             Msaa::Off,
             UnderSky,
             WithoutSunShadows,
+            LodView {
+                decides: false,
+                ..default()
+            },
             DespawnOnExit(Screen::Play),
         ));
     }

@@ -1,5 +1,5 @@
 //! Overlays: what the shadow systems computed, as lines in the scene ([`outside`](super::outside) draws them) or as a heat
-//! map ([`heat_map`](super::heat_map)).
+//! map ([`heat_map`](super::heat_map)); and levels of detail.
 
 use bevy::prelude::*;
 
@@ -35,6 +35,8 @@ pub enum Overlay {
     Tiles,
     /// Needs of a fitted map.
     Needs,
+    /// Levels of detail.
+    Levels,
 }
 
 impl Overlay {
@@ -51,7 +53,8 @@ impl Overlay {
             Self::TexelRatioBefore => Self::Maps,
             Self::Maps => Self::Tiles,
             Self::Tiles => Self::Needs,
-            Self::Needs => Self::Off,
+            Self::Needs => Self::Levels,
+            Self::Levels => Self::Off,
         }
     }
 
@@ -70,12 +73,18 @@ impl Overlay {
             Self::Needs => {
                 "needs of fitted maps: blue 256 texels across the map, green 16 thousand, red 256 thousand, pink unmet"
             }
+            Self::Levels => "levels of detail: white, green, yellow, red from fine to coarse, magenta while they cross",
         }
     }
 
     /// Whether lines show it.
     pub fn has_lines(self) -> bool {
-        !self.is_heat_map() && !matches!(self, Self::Off | Self::Tiles | Self::Needs)
+        !self.is_heat_map() && !matches!(self, Self::Off | Self::Tiles | Self::Needs | Self::Levels)
+    }
+
+    /// Whether posts on objects show it.
+    pub fn has_posts(self) -> bool {
+        self == Self::Levels
     }
 
     /// Whether colors show it.
@@ -125,6 +134,7 @@ mod tests {
                 overlay.is_heat_map().then_some(overlay.name()),
                 overlay == Overlay::Tiles,
                 overlay == Overlay::Needs,
+                overlay.has_posts(),
             );
             assert!(!seen.contains(&shown), "{overlay:?} shows nothing new");
             assert!(overlay.name().is_ascii(), "the font has ASCII only");
@@ -134,6 +144,9 @@ mod tests {
                 break;
             }
         }
-        assert_eq!((seen.len(), seen[0]), (10, (false, false, false, None, false, false)));
+        assert_eq!(
+            (seen.len(), seen[0]),
+            (11, (false, false, false, None, false, false, false))
+        );
     }
 }

@@ -22,6 +22,7 @@ use super::{
 };
 use crate::{
     level::{LevelPlugin, find::AssetRoot, loader, scene::SceneSource},
+    lod::settings::{LodKind, LodSettings},
     render::{UmbragePlugins, mask::MaskPlugin},
     shadow::technique::Technique,
 };
@@ -33,6 +34,8 @@ pub struct PlayOptions {
     pub scene: SceneSource,
     /// The technique to begin with.
     pub technique: Technique,
+    /// How levels of detail take each other's place.
+    pub lod: LodKind,
     /// Where levels and assets are.
     pub assets: AssetRoot,
 }
@@ -162,6 +165,7 @@ fn build(options: &PlayOptions) -> App {
             technique: options.technique.clone(),
         },
     ));
+    app.world_mut().resource_mut::<LodSettings>().transition.kind = options.lod;
     app
 }
 

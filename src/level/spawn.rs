@@ -3,11 +3,12 @@
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
     ops::Range,
+    sync::Arc,
 };
 
 use bevy::{
     asset::RenderAssetUsages,
-    camera::{primitives::Aabb, visibility::VisibilityRange},
+    camera::primitives::Aabb,
     ecs::system::SystemParam,
     light::{NotShadowCaster, TransmittedShadowReceiver},
     mesh::{Indices, PrimitiveTopology},
@@ -23,7 +24,11 @@ use super::{
     model::{Model, Placement, Tint},
     scenery::{Finish, Scenery},
 };
-use crate::forge::city::facade::assemble::Shared;
+use crate::{
+    forge::city::facade::assemble::Shared,
+    lod::chain::LodChain,
+    maths::lod::selection::{LodBorders, LodMetric},
+};
 
 /// A mesh that is ready for Bevy, with its box.
 pub struct ReadyMesh {
@@ -246,7 +251,8 @@ impl Palette {
         }
     }
 
-    /// Spawns placements: one entity for a model that is built here, one per material and level of detail for a file's.
+    /// Spawns placements: one entity for a model that is built here, one per material and level of detail for a file's, and a chain
+    /// that chooses among the levels.
     pub fn spawn(&mut self, commands: &mut Commands, assets: &mut LevelAssets, placements: &[Placement]) {
         let mut batch = Batch::default();
         for placement in placements {
@@ -283,19 +289,21 @@ impl Palette {
                 }
                 continue;
             }
+            let mut levels = Vec::new();
             for (parts, range) in shape.lods(placement.scale.max_element()) {
+                let mut drawn_parts = Vec::new();
                 for part in parts {
                     let material = self
                         .library
                         .material(asset, part, placement.tint, &mut assets.materials);
                     let Some(material) = material else { continue };
-                    let drawn = drawn(&(part.mesh.clone(), part.aabb), &material, transform);
-                    batch.add(drawn, &range);
+                    drawn_parts.push(drawn(&(part.mesh.clone(), part.aabb), &material, transform));
                 }
+                levels.push((drawn_parts, range));
             }
+            batch.add(transform, levels);
         }
-        commands.spawn_batch(batch.always);
-        commands.spawn_batch(batch.ranged);
+        batch.spawn(commands);
     }
 
     /// Adds the storeys and the roof of a building, in its paint and in what is bare.
@@ -309,13 +317,13 @@ impl Palette {
         for (part, offset, scale) in building.parts() {
             let material = if Building::is_painted(&part) { paint } else { bare };
             let own = place * Transform::from_translation(offset).with_scale(scale);
-            for ((mesh, aabb), range) in self.shared.get(&part).into_iter().flatten() {
+            let levels = self.shared.get(&part).into_iter().flatten();
+            let levels = levels.map(|((mesh, aabb), range)| {
                 let (mesh, material) = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()));
-                batch.add(
-                    (mesh, material, *aabb, own, LevelEntity, TransmittedShadowReceiver),
-                    range,
-                );
-            }
+                let drawn = (mesh, material, *aabb, own, LevelEntity, TransmittedShadowReceiver);
+                (vec![drawn], range.clone())
+            });
+            batch.add(own, levels.collect());
         }
     }
 }
@@ -324,22 +332,48 @@ impl Palette {
 #[derive(Default)]
 struct Batch {
     always: Vec<Drawn>,
-    ranged: Vec<(Drawn, VisibilityRange)>,
+    chains: Vec<(Transform, Vec<Vec<Drawn>>, Arc<LodBorders>)>,
+    /// Borders so far, by the bits of their metres.
+    borders: HashMap<Vec<u32>, Arc<LodBorders>>,
 }
 
 impl Batch {
-    /// Adds something that is drawn at these camera distances in metres, switched at once.
-    fn add(&mut self, drawn: Drawn, range: &Range<f32>) {
-        if *range == (0.0..f32::INFINITY) {
-            self.always.push(drawn);
-        } else if !range.is_empty() {
-            let hard = |distance: f32| distance..distance;
-            let visible = VisibilityRange {
-                start_margin: hard(range.start),
-                end_margin: hard(range.end),
-                use_aabb: false,
+    /// Adds an object whose levels are drawn at these camera distances in metres, without gaps from 0 on.
+    fn add(&mut self, place: Transform, mut levels: Vec<(Vec<Drawn>, Range<f32>)>) {
+        levels.retain(|(_, range)| !range.is_empty());
+        let ends = borders_of(levels.iter().map(|(_, range)| range));
+        if ends.is_empty() {
+            self.always.extend(levels.into_iter().flat_map(|(parts, _)| parts));
+            return;
+        }
+        let key = ends.iter().map(|end| end.to_bits()).collect();
+        let borders = self.borders.entry(key).or_insert_with(|| {
+            let borders = ends.iter().copied().map(f64::from);
+            Arc::new(LodBorders::new(borders))
+        });
+        let parts = levels.into_iter().map(|(parts, _)| parts).collect();
+        self.chains.push((place, parts, borders.clone()));
+    }
+
+    /// Spawns everything.
+    fn spawn(self, commands: &mut Commands) {
+        commands.spawn_batch(self.always);
+        for (place, levels, borders) in self.chains {
+            let levels = levels.into_iter().map(|parts| {
+                let parts = parts.into_iter().map(|part| commands.spawn(part).id());
+                parts.collect()
+            });
+            let chain = LodChain {
+                levels: levels.collect(),
+                borders,
+                metric: LodMetric::ProjectedSize,
             };
-            self.ranged.push((drawn, visible));
+            commands.spawn((place, chain, LevelEntity));
         }
     }
+}
+
+/// Where levels end, from the ranges of those that are drawn at all; empty for one level without end.
+pub fn borders_of<'a>(ranges: impl Iterator<Item = &'a Range<f32>>) -> Vec<f32> {
+    ranges.map(|range| range.end).filter(|end| end.is_finite()).collect()
 }

@@ -21,8 +21,10 @@
 //!
 //! Suns on the drop-in path only get their casters biased ([`drop_in`]).
 //!
-//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`cost`], [`drop_in`], [`mask`] and
-//! [`spans`].
+//! Levels of detail that take each other's place are drawn by [`unpop`].
+//!
+//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`cost`], [`drop_in`], [`mask`], [`spans`] and
+//! [`unpop`].
 
 pub mod apply;
 pub mod atlas;
@@ -47,6 +49,7 @@ mod read_back;
 pub mod reference;
 mod shaders;
 pub mod spans;
+pub mod unpop;
 pub mod virtual_map;
 
 use bevy::{
@@ -59,12 +62,14 @@ use bevy::{
 
 use crate::shadow::timing::SystemTimes;
 
-/// Sharp sun shadows: add this group after Bevy's default plugins.
+/// Sharp sun shadows, and levels of detail that do not pop: add this group after Bevy's default plugins.
 ///
 /// | member | what it does |
 /// |---|---|
 /// | [`ShadowPlugin`](crate::shadow::ShadowPlugin) | scene bounds, light views, the drop-in path, gizmos |
 /// | [`RenderPlugin`] | the full path: caster phase, atlas, apply pass, bridge into Bevy's lighting; the drop-in path's bias of casters; heat maps |
+/// | [`LodPlugin`](crate::lod::LodPlugin) | levels of detail: which one each chain shows |
+/// | [`UnpopPlugin`](unpop::UnpopPlugin) | draws levels that fade |
 pub struct UmbragePlugins;
 
 impl PluginGroup for UmbragePlugins {
@@ -72,6 +77,8 @@ impl PluginGroup for UmbragePlugins {
         PluginGroupBuilder::start::<Self>()
             .add(crate::shadow::ShadowPlugin)
             .add(RenderPlugin)
+            .add(crate::lod::LodPlugin)
+            .add(unpop::UnpopPlugin)
     }
 }
 

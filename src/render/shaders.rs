@@ -19,8 +19,9 @@ macro_rules! embed_shader {
     };
 }
 
-/// Modules that others import: loaded once and kept for the life of the app.
-const LIBRARIES: [&str; 9] = [
+/// Modules that others import, and shaders of levels of detail, which fade for less time than loading takes: loaded once and
+/// kept for the life of the app.
+const LIBRARIES: [&str; 12] = [
     "types.wgsl",
     "spaces.wgsl",
     "bias.wgsl",
@@ -30,6 +31,9 @@ const LIBRARIES: [&str; 9] = [
     "depth_offset.wgsl",
     "visibility.wgsl",
     "virtual_map/needs.wgsl",
+    "unpop/coat.wgsl",
+    "unpop/fade.wgsl",
+    "unpop/cast.wgsl",
 ];
 
 /// The lookup that [`bridge`](super::bridge) appends to Bevy's shadow module.
@@ -67,6 +71,9 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "virtual_map/collect_needs.wgsl");
     embed_shader!(registry, "virtual_map/map_needs.wgsl");
     embed_shader!(registry, "virtual_map/show_needs.wgsl");
+    embed_shader!(registry, "unpop/coat.wgsl");
+    embed_shader!(registry, "unpop/fade.wgsl");
+    embed_shader!(registry, "unpop/cast.wgsl");
     let server = app.world().resource::<AssetServer>();
     let handles = LIBRARIES.iter().map(|name| load(server, name)).collect();
     app.insert_resource(ShaderLibraries(handles));

@@ -3,6 +3,7 @@
 mod bounds;
 mod cascades;
 mod depths;
+mod levels_of_detail;
 mod partitions;
 mod support;
 mod views;

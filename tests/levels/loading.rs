@@ -8,17 +8,15 @@ use std::{
 };
 
 use bevy::{
-    animation::AnimationPlugin,
-    app::PluginsState,
-    camera::{primitives::Aabb, visibility::VisibilityRange},
-    gltf::GltfPlugin,
-    mesh::skinning::SkinnedMeshInverseBindposes,
-    prelude::*,
-    world_serialization::WorldSerializationPlugin,
+    animation::AnimationPlugin, app::PluginsState, camera::primitives::Aabb, gltf::GltfPlugin,
+    mesh::skinning::SkinnedMeshInverseBindposes, prelude::*, world_serialization::WorldSerializationPlugin,
 };
-use umbrage::level::{
-    LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, inhabitants::Inhabitant, loader,
-    model::Model, scene::SceneSource,
+use umbrage::{
+    level::{
+        LevelEntity, LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find, inhabitants::Inhabitant, loader,
+        model::Model, scene::SceneSource,
+    },
+    lod::chain::LodChain,
 };
 
 use crate::sources::{glb, root};
@@ -165,33 +163,35 @@ fn more_trees_are_no_more_batches_and_settings_reach_the_forest() {
     );
 }
 
-/// Levels of one thing follow each other without gap or overlap: at any distance exactly one is drawn.
+/// Levels of one thing follow each other without gap or overlap, and own their parts.
 #[test]
 fn a_tree_is_drawn_in_one_level_at_any_distance() {
     let mut app = app_with(&root());
     request(&mut app, "forest:count=40".parse().unwrap());
     wait(&mut app).unwrap();
-    let mut levels: HashMap<[[u32; 3]; 2], Vec<(f32, f32)>> = HashMap::new();
-    // The meshes of figures hang on their joints.
-    let mut things = app
-        .world_mut()
-        .query_filtered::<(&Transform, &VisibilityRange), Without<ChildOf>>();
-    for (transform, range) in things.iter(app.world()) {
-        // A post and the rails that begin at it stand in one place, but differ in scale.
-        let place = [transform.translation, transform.scale].map(|v| v.to_array().map(f32::to_bits));
-        let own = levels.entry(place).or_default();
-        own.push((range.start_margin.start, range.end_margin.end));
-    }
-    assert!(levels.len() > 40, "{} things with levels", levels.len());
-    for own in levels.values_mut() {
-        // Parts of one level have the same range.
-        own.sort_by(|a, b| a.0.total_cmp(&b.0));
-        own.dedup();
-        assert_eq!(own[0].0, 0.0);
-        for pair in own.windows(2) {
-            assert_eq!(pair[0].1, pair[1].0, "{own:?}");
+    let world = app.world_mut();
+    let mut chains = world.query::<(Entity, &LodChain)>();
+    let mut owners: HashMap<Entity, Entity> = HashMap::new();
+    let mut count = 0;
+    for (owner, chain) in chains.iter(world) {
+        count += 1;
+        let borders = chain.borders.as_slice();
+        assert!(
+            [borders.len(), borders.len() + 1].contains(&chain.levels.len()),
+            "{} levels between {borders:?}",
+            chain.levels.len()
+        );
+        assert!(
+            borders[0] > 0.0 && borders.windows(2).all(|pair| pair[0] < pair[1]),
+            "{borders:?}"
+        );
+        for part in chain.levels.iter().flatten() {
+            assert!(world.get::<Mesh3d>(*part).is_some(), "a part is drawn");
+            assert_eq!(owners.insert(*part, owner), None, "a part is of one chain and level");
         }
+        assert!(chain.levels.iter().all(|parts| !parts.is_empty()), "no level is empty");
     }
+    assert!(count > 40, "{count} things with levels");
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn without_its_model_files_a_level_has_striped_boxes_and_says_so() {
     assert!(notes.iter().all(|note| note.lines().count() == 1), "{notes:#?}");
     let trees = generated_trees(60);
     assert!(count::<Mesh3d>(&mut app) > trees, "boxes stand where trees were");
-    assert_eq!(count::<VisibilityRange>(&mut app), 0);
+    assert_eq!(count::<LodChain>(&mut app), 0);
     let world = app.world_mut();
     let mut deer = world.query_filtered::<&Children, With<Inhabitant>>();
     let boxes: Vec<Entity> = deer.iter(world).flatten().copied().collect();

@@ -15,7 +15,7 @@ use bevy::{
     },
 };
 use umbrage::{
-    cli::headless,
+    cli::headless::{self, Pipelines},
     level::find::asset_root,
     prelude::*,
     render::{
@@ -74,6 +74,9 @@ impl Harness {
     pub(crate) fn frames(&mut self, count: usize) {
         for _ in 0..count {
             headless::frame(&mut self.app);
+        }
+        if let Pipelines::Failed(error) = headless::pipelines(&self.app) {
+            panic!("{error}");
         }
     }
 

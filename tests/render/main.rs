@@ -18,4 +18,5 @@ mod softness;
 mod stability;
 mod stable_maps;
 mod truth;
+mod unpop;
 mod virtual_map;

@@ -34,6 +34,7 @@ use super::{
 };
 use crate::{
     level::{LevelPlugin, LoadedScene, find::asset_root},
+    lod::settings::LodSettings,
     render::{UmbragePlugins, spans::ShadowPassSpan},
 };
 use measure::{Bench, Samples};
@@ -55,6 +56,7 @@ pub(super) fn run(assets: Option<&Path>, args: &BenchArgs) -> Result<(), Failure
         RenderDiagnosticsPlugin,
         ShadowPassSpan,
     ));
+    app.world_mut().resource_mut::<LodSettings>().transition.kind = args.lod;
     headless::finish(&mut app);
     let bar = shoot::progress_bar();
     let result = measure_all(&mut app, args, &bar);
@@ -159,7 +161,7 @@ fn route(scene: &LoadedScene, args: &BenchArgs) -> Result<Route, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::level::scene::SceneSource;
+    use crate::{level::scene::SceneSource, lod::settings::LodKind};
 
     fn named(text: &str) -> NamedTechnique {
         text.parse().expect("a technique")
@@ -173,6 +175,7 @@ mod tests {
             techniques: techniques.iter().map(|text| named(text)).collect(),
             frames: 20,
             against: against.map(named),
+            lod: LodKind::default(),
             size: None,
             out: "out".into(),
         };

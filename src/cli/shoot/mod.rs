@@ -29,6 +29,7 @@ use crate::{
     level::{
         LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root, scene::SceneSource, shot::Shot,
     },
+    lod::settings::LodSettings,
     render::{UmbragePlugins, mask::MaskPlugin, spans::ShadowPassSpan},
 };
 use stage::{NOT_TIMED, Stage, TIMED};
@@ -87,6 +88,7 @@ pub(super) fn open<'a>(
         RenderDiagnosticsPlugin,
         ShadowPassSpan,
     ));
+    app.world_mut().resource_mut::<LodSettings>().transition.kind = args.lod;
     headless::finish(&mut app);
     Ok(Session {
         stats: Stats::new(&app),

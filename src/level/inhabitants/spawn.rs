@@ -1,22 +1,23 @@
 //! From plans to entities: joints, meshes of all levels that share them, a player for the clips.
 
-use bevy::{
-    animation::AnimatedBy,
-    camera::{primitives::Aabb, visibility::VisibilityRange},
-    mesh::skinning::SkinnedMesh,
-    prelude::*,
-};
+use std::sync::Arc;
+
+use bevy::{animation::AnimatedBy, camera::primitives::Aabb, mesh::skinning::SkinnedMesh, prelude::*};
 
 use super::{
     Gait, Gaits, Inhabitant,
     plan::{self, Plan},
     rule::InhabitantRule,
 };
-use crate::level::{
-    ground::Ground,
-    library::{Library, rigs::Rig},
-    load::LevelEntity,
-    spawn::{LevelAssets, Palette},
+use crate::{
+    level::{
+        ground::Ground,
+        library::{Library, rigs::Rig},
+        load::LevelEntity,
+        spawn::{LevelAssets, Palette, borders_of},
+    },
+    lod::chain::LodChain,
+    maths::lod::selection::{LodBorders, LodMetric},
 };
 
 /// How far limbs reach beyond the box of the bind pose, in metres: a deer's neck when it grazes.
@@ -142,7 +143,9 @@ impl Cast {
             inverse_bindposes: self.rig.inverse_bindposes.clone(),
             joints: self.rig.skin.iter().map(|joint| joints[*joint]).collect(),
         };
-        for (parts, range) in shape.lods(scale) {
+        let mut levels = Vec::new();
+        for (parts, range) in shape.lods(scale).filter(|(_, range)| !range.is_empty()) {
+            let mut entities = Vec::new();
             for part in parts {
                 let Some(material) = library.material(asset, part, tint, &mut assets.materials) else {
                     continue;
@@ -151,22 +154,24 @@ impl Cast {
                     center: part.aabb.center,
                     half_extents: part.aabb.half_extents + REACH,
                 };
-                let mut entity = commands.spawn((
+                let entity = commands.spawn((
                     Mesh3d(part.mesh.clone()),
                     MeshMaterial3d(material),
                     aabb,
                     skin.clone(),
                     ChildOf(root),
                 ));
-                if range != (0.0..f32::INFINITY) {
-                    let hard = |distance: f32| distance..distance;
-                    entity.insert(VisibilityRange {
-                        start_margin: hard(range.start),
-                        end_margin: hard(range.end),
-                        use_aabb: false,
-                    });
-                }
+                entities.push(entity.id());
             }
+            levels.push((entities, range));
+        }
+        let borders = borders_of(levels.iter().map(|(_, range)| range));
+        if !borders.is_empty() {
+            commands.entity(root).insert(LodChain {
+                levels: levels.into_iter().map(|(entities, _)| entities).collect(),
+                borders: Arc::new(LodBorders::new(borders.into_iter().map(f64::from))),
+                metric: LodMetric::ProjectedSize,
+            });
         }
     }
 }

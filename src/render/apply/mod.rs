@@ -1,4 +1,5 @@
-//! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result.
+//! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result; where levels of
+//! detail fade, another one does the same for their nearest surfaces.
 
 use bevy::{
     core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures, schedule::Core3d},
@@ -25,6 +26,7 @@ use super::{
     extract::ExtractedSun,
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
     shaders,
+    unpop::surfaces::FadingSurfaces,
 };
 use crate::shadow::{
     settings::{Faces, PartitionSelection, SeamWidth, ShadowBias, ShadowFilter},
@@ -194,13 +196,14 @@ fn apply_views(
         &ViewPrepassTextures,
         &ViewUniformOffset,
         &ExtractedSun,
+        Option<&FadingSurfaces>,
     )>,
     pipeline: Res<ApplyPipeline>,
     cache: Res<PipelineCache>,
     (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
     mut ctx: RenderContext,
 ) {
-    let (camera, atlas, result, uniform, prepass, view_offset, sun) = view.into_inner();
+    let (camera, atlas, result, uniform, prepass, view_offset, sun, fading) = view.into_inner();
     if sun.settings.maps.is_virtual() {
         return;
     }
@@ -214,35 +217,46 @@ fn apply_views(
     };
     // White is no normal.
     let normals = prepass.normal_view().unwrap_or(&fallback.d2.texture_view);
-    let bind_group = ctx.render_device().create_bind_group(
-        "umbrage_apply_views",
-        &cache.get_bind_group_layout(&pipeline.layout),
-        &BindGroupEntries::sequential((view_binding, depth, normals, parameters, atlas.lookup_view())),
-    );
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("umbrage_apply_views"),
-        color_attachments: &[Some(RenderPassColorAttachment {
-            view: &result.view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: Operations {
-                load: LoadOp::Clear(LinearRgba::WHITE.into()),
-                store: StoreOp::Store,
-            },
-        })],
-        depth_stencil_attachment: None,
-        timestamp_writes: None,
-        occlusion_query_set: None,
-        multiview_mask: None,
-    });
-    let span = diagnostics.pass_span(&mut pass, "umbrage_apply_views");
-    if let Some(viewport) = &camera.viewport {
-        pass.set_camera_viewport(viewport);
+    let opaque = (depth, normals, &result.view);
+    let fading = fading.filter(|fading| fading.is_current);
+    let fading = fading.map(|fading| (&fading.depth, &fading.normal, &fading.result));
+    for (depth, normals, target) in [Some(opaque), fading].into_iter().flatten() {
+        let bind_group = ctx.render_device().create_bind_group(
+            "umbrage_apply_views",
+            &cache.get_bind_group_layout(&pipeline.layout),
+            &BindGroupEntries::sequential((
+                view_binding.clone(),
+                depth,
+                normals,
+                parameters.clone(),
+                atlas.lookup_view(),
+            )),
+        );
+        let diagnostics = ctx.diagnostic_recorder();
+        let diagnostics = diagnostics.as_deref();
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("umbrage_apply_views"),
+            color_attachments: &[Some(RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: Operations {
+                    load: LoadOp::Clear(LinearRgba::WHITE.into()),
+                    store: StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        let span = diagnostics.pass_span(&mut pass, "umbrage_apply_views");
+        if let Some(viewport) = &camera.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        pass.set_render_pipeline(render_pipeline);
+        pass.set_bind_group(0, &bind_group, &[view_offset.offset]);
+        pass.draw(0..3, 0..1);
+        span.end(&mut pass);
     }
-    pass.set_render_pipeline(render_pipeline);
-    pass.set_bind_group(0, &bind_group, &[view_offset.offset]);
-    pass.draw(0..3, 0..1);
-    span.end(&mut pass);
 }

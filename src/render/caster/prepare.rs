@@ -24,6 +24,7 @@ use crate::{
     render::{
         atlas::{ATLAS_FORMAT, ShadowAtlas},
         extract::ExtractedSun,
+        unpop::{draw::FadingItems, surfaces::FadingSurfaces},
     },
     shadow::views::LightView,
 };
@@ -188,15 +189,20 @@ fn resize(commands: &mut Commands, entities: &mut Vec<Entity>, count: usize) {
 }
 
 /// Leaves out the fallback map where the camera draws nothing that reads it: no transparent and no transmissive surface.
+/// Fading levels of detail have a shadow result of their own, but under virtual maps.
 pub fn skip_idle_fallback(
     mut commands: Commands,
-    cameras: Query<(&ExtractedView, &CasterViews)>,
+    cameras: Query<(&ExtractedView, &CasterViews, Option<&FadingSurfaces>)>,
     transparent: Res<ViewSortedRenderPhases<Transparent3d>>,
     transmissive: Option<Res<ViewSortedRenderPhases<Transmissive3d>>>,
+    fading: FadingItems,
 ) {
-    for (view, views) in &cameras {
+    for (view, views, surfaces) in &cameras {
+        let have_result = surfaces.is_some_and(|surfaces| surfaces.is_current && surfaces.has_result);
         let key = view.retained_view_entity;
-        let has_transparent = transparent.get(&key).is_some_and(|phase| !phase.items.is_empty());
+        let has_transparent = transparent
+            .get(&key)
+            .is_some_and(|phase| phase.items.values().any(|item| !have_result || !fading.has(item)));
         let has_transmissive = transmissive
             .as_ref()
             .and_then(|phases| phases.get(&key))

@@ -1,0 +1,201 @@
+//! The eyes that levels of detail are chosen for.
+
+use bevy::prelude::*;
+
+use super::settings::LodSettings;
+use crate::maths::lod::selection::{LodEye, LodMetric};
+
+/// On a 3D camera: how it looks at levels of detail. Cameras without it count as [`LodView::default`].
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+pub struct LodView {
+    /// Factor on distances of this view, beside the global one.
+    pub bias: f32,
+    /// Where distances are measured from, world space; `None`: from the camera.
+    pub origin: Option<Vec3>,
+    /// Whether this view has a say. Views from outside, maps and mirrors may do with what others see.
+    pub decides: bool,
+}
+
+impl Default for LodView {
+    fn default() -> Self {
+        Self {
+            bias: 1.0,
+            origin: None,
+            decides: true,
+        }
+    }
+}
+
+/// One eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Eye {
+    camera: Entity,
+    position: Vec3,
+    /// Of the camera itself.
+    camera_position: Vec3,
+    lens: LodEye,
+}
+
+/// The eyes of this frame.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct LodEyes {
+    eyes: Vec<Eye>,
+    /// How far eyes have moved so far: a bound on the change of any distance, metres.
+    travelled: f64,
+    /// Everything has to be compared anew: other eyes, lenses or settings.
+    are_new: bool,
+    /// Nothing fades in this frame: an eye was put elsewhere.
+    has_jumped: bool,
+}
+
+impl LodEyes {
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.eyes.is_empty()
+    }
+
+    /// The smallest distance of a point from an eye, through its lens: what borders are compared with. Infinite without eyes.
+    #[must_use]
+    pub fn distance(&self, point: Vec3, metric: LodMetric) -> f64 {
+        let distances = self.eyes.iter().map(|eye| {
+            let distance = f64::from(eye.position.distance(point));
+            distance * eye.lens.factor(metric)
+        });
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest factor of a lens: by how much more than an eye a distance can change.
+    pub(super) fn largest_factor(&self, metric: LodMetric) -> f64 {
+        let factors = self.eyes.iter().map(|eye| eye.lens.factor(metric));
+        factors.fold(0.0, f64::max)
+    }
+
+    /// How much farther a point is from the first eye's camera than from the eye, metres: what Bevy's own distances are
+    /// off by. `None` where cameras and eyes are one.
+    pub(super) fn camera_offset(&self, point: Vec3) -> Option<f32> {
+        let eye = self.eyes.first().filter(|eye| eye.position != eye.camera_position)?;
+        Some(eye.camera_position.distance(point) - eye.position.distance(point))
+    }
+
+    pub(super) fn travelled(&self) -> f64 {
+        self.travelled
+    }
+
+    pub(super) fn are_new(&self) -> bool {
+        self.are_new
+    }
+
+    pub(super) fn have_jumped(&self) -> bool {
+        self.has_jumped
+    }
+
+    /// The eyes of the next frame.
+    fn update(&mut self, eyes: Vec<Eye>, teleport: f32) {
+        let same = self.eyes.len() == eyes.len()
+            && (self.eyes.iter().zip(&eyes)).all(|(old, new)| (old.camera, old.lens) == (new.camera, new.lens));
+        let same_cameras = self
+            .eyes
+            .iter()
+            .map(|eye| eye.camera)
+            .eq(eyes.iter().map(|eye| eye.camera));
+        let moves = self
+            .eyes
+            .iter()
+            .zip(&eyes)
+            .map(|(old, new)| old.position.distance(new.position));
+        let farthest = moves.fold(0.0, f32::max);
+        self.has_jumped = !same_cameras || farthest > teleport;
+        self.are_new = !same || self.has_jumped;
+        self.travelled += f64::from(farthest);
+        self.eyes = eyes;
+    }
+}
+
+/// Looks at all active 3D cameras.
+pub(super) fn update_eyes(
+    cameras: Query<
+        (
+            Entity,
+            &Camera,
+            &Projection,
+            &Transform,
+            &GlobalTransform,
+            Has<ChildOf>,
+            Option<&LodView>,
+        ),
+        With<Camera3d>,
+    >,
+    settings: Res<LodSettings>,
+    mut eyes: ResMut<LodEyes>,
+) {
+    let mut found: Vec<Eye> = Vec::new();
+    for (camera, settings_of_camera, projection, local, global, is_child, view) in &cameras {
+        let view = view.copied().unwrap_or_default();
+        if !settings_of_camera.is_active || !view.decides {
+            continue;
+        }
+        let half_view = match projection {
+            Projection::Perspective(perspective) => (0.5 * f64::from(perspective.fov)).tan(),
+            _ => LodEye::default().half_view,
+        };
+        // Transforms are propagated later in the frame.
+        let own = if is_child {
+            global.translation()
+        } else {
+            local.translation
+        };
+        found.push(Eye {
+            camera,
+            position: view.origin.unwrap_or(own),
+            camera_position: own,
+            lens: LodEye {
+                half_view,
+                bias: f64::from(view.bias * settings.bias),
+            },
+        });
+    }
+    found.retain(|eye| eye.position.is_finite());
+    found.sort_by_key(|eye| eye.camera);
+    eyes.update(found, settings.teleport);
+    eyes.are_new |= settings.is_changed();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn eye(index: u32, x: f32, bias: f64) -> Eye {
+        Eye {
+            camera: Entity::from_raw_u32(index).expect("an entity"),
+            position: Vec3::X * x,
+            camera_position: Vec3::ZERO,
+            lens: LodEye { bias, ..default() },
+        }
+    }
+
+    #[test]
+    fn the_nearest_eye_decides() {
+        let mut eyes = LodEyes::default();
+        assert_eq!(eyes.distance(Vec3::ZERO, LodMetric::Distance), f64::INFINITY);
+        eyes.update(vec![eye(1, 10.0, 1.0), eye(2, -4.0, 3.0)], 10.0);
+        assert_eq!(eyes.distance(Vec3::ZERO, LodMetric::Distance), 10.0);
+        assert_eq!(eyes.largest_factor(LodMetric::Distance), 3.0);
+        assert_eq!(eyes.camera_offset(Vec3::X * 12.0), Some(10.0));
+    }
+
+    #[test]
+    fn steps_add_up_and_jumps_are_noticed() {
+        let mut eyes = LodEyes::default();
+        eyes.update(vec![eye(1, 0.0, 1.0)], 10.0);
+        assert!(eyes.has_jumped && eyes.are_new, "the first eye");
+        eyes.update(vec![eye(1, 2.0, 1.0)], 10.0);
+        assert!(!eyes.has_jumped && !eyes.are_new, "a step");
+        assert_eq!(eyes.travelled, 2.0);
+        eyes.update(vec![eye(1, 2.0, 2.0)], 10.0);
+        assert!(!eyes.has_jumped && eyes.are_new, "another lens");
+        eyes.update(vec![eye(1, 50.0, 2.0)], 10.0);
+        assert!(eyes.has_jumped, "48 m in a frame");
+    }
+}

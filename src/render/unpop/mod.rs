@@ -1,0 +1,98 @@
+//! Unpopping: draws levels of detail that take each other's place (Giegl 2007, section 7.2;
+//! [`maths::lod::blend`](crate::maths::lod::blend)).
+//!
+//! ```text
+//! main world  LodCoat ──► fading material, shared per base material; alpha, shadow and level in the mesh tag     dress
+//! queue       Bevy queues fading parts as transparent things; they get a draw function with one more group        draw
+//! Core3d      depth prepass: opaque levels
+//!             └─► nearest: depth, normal and level of the nearest fading surface of every pixel                  nearest
+//!             └─► casters: fading levels through as many texels as they are opaque                     shaders/unpop/cast
+//!             └─► apply: shadow results of opaque surfaces, and of the nearest fading ones                      apply
+//!             opaque levels, sky
+//!             └─► transparent things from far to near, fading levels among them: depth test, no depth writes, alpha
+//!                 per instance, the nearest layer of each level only                                  shaders/unpop/fade
+//! ```
+//!
+//! A fading part costs one extra drawn instance in each of these passes; parts of one mesh and material that are neighbours
+//! in depth share a draw call. Parts at rest are untouched: their own material, in their own batches.
+
+pub mod draw;
+mod dress;
+pub mod material;
+pub mod nearest;
+pub mod surfaces;
+pub mod tag;
+
+use bevy::{
+    asset::AssetEventSystems,
+    core_pipeline::{
+        core_3d::Transparent3d,
+        schedule::{Core3d, Core3dSystems},
+    },
+    log::warn,
+    prelude::*,
+    render::{Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand, renderer::RenderDevice},
+};
+
+use super::SunShadowPasses;
+use crate::lod::LodSystems;
+
+/// Draws fading levels of detail. Needs [`LodPlugin`](crate::lod::LodPlugin), [`RenderPlugin`](super::RenderPlugin) and
+/// Bevy's PBR plugins.
+pub struct UnpopPlugin;
+
+/// Groups that fading pipelines bind: Bevy's four and one more.
+const GROUPS: u32 = 5;
+
+impl Plugin for UnpopPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<dress::FadingMaterials>();
+        if app.get_sub_app(RenderApp).is_none() {
+            return;
+        }
+        app.add_plugins(MaterialPlugin::<material::FadingMaterial>::default());
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app
+                .init_resource::<nearest::NearestPipelines>()
+                .add_render_command::<Transparent3d, draw::DrawFading>()
+                .add_systems(RenderStartup, surfaces::init_no_surfaces)
+                .add_systems(
+                    Render,
+                    (
+                        draw::draw_by_own_function,
+                        surfaces::prepare_surfaces,
+                        nearest::build_pipelines,
+                    )
+                        .chain()
+                        .in_set(RenderSystems::PhaseSort)
+                        .before(super::caster::prepare::skip_idle_fallback),
+                )
+                .add_systems(
+                    Core3d,
+                    nearest::draw_nearest
+                        .after(Core3dSystems::Prepass)
+                        .before(SunShadowPasses::Plan)
+                        .before(Core3dSystems::MainPass),
+                );
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app(RenderApp) else {
+            return;
+        };
+        let device = render_app.world().get_resource::<RenderDevice>();
+        let groups = device.map_or(0, |device| device.limits().max_bind_groups);
+        if groups < GROUPS {
+            warn!("levels of detail cannot fade: the device binds {groups} groups, but {GROUPS} are needed");
+            return;
+        }
+        app.add_systems(
+            PostUpdate,
+            (dress::follow_base_materials, dress::undress_parts, dress::dress_parts)
+                .chain()
+                .in_set(LodSystems::Dress)
+                .before(AssetEventSystems),
+        );
+    }
+}

@@ -1,0 +1,169 @@
+//! The pass that finds the nearest fading surface of every pixel, before the scene is drawn.
+//!
+//! Why: blended layers end as the last one drawn, not as the nearest. A level with several layers (leaves, hollows) would
+//! change at once when it becomes opaque. And shadows of fading surfaces come from here: the depth prepass holds the opaque
+//! level's. The depth buffer of the scene stays untouched, as the states of Unpopping ask for.
+//!
+//! Limits: where fading objects overlap, the nearest one has all of this; of those behind, all layers are blended, and their
+//! shadows are those of opaque surfaces nearby. Virtual maps are not applied to fading surfaces: they take the shadow of
+//! opaque surfaces nearby, else of the fallback map. Their result has neither blur nor history.
+
+use bevy::{
+    core_pipeline::{core_3d::Transparent3d, prepass::NORMAL_PREPASS_FORMAT},
+    pbr::DrawMaterial,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        diagnostic::RecordDiagnostics,
+        render_phase::{DrawFunctions, PhaseItem, ViewSortedRenderPhases},
+        render_resource::{
+            CachedRenderPipelineId, ColorTargetState, ColorWrites, CompareFunction, LoadOp, Operations, PipelineCache,
+            RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
+            RenderPipelineDescriptor, StoreOp, TextureFormat, TextureView,
+        },
+        renderer::{RenderContext, ViewQuery},
+        view::ExtractedView,
+    },
+};
+
+use super::{
+    draw::FadingItems,
+    surfaces::{DEPTH_FORMAT, FadingSurfaces, LEVEL_FORMAT},
+};
+
+/// Variants of fading pipelines that write the nearest surface.
+#[derive(Resource, Default)]
+pub struct NearestPipelines(HashMap<CachedRenderPipelineId, CachedRenderPipelineId>);
+
+/// Builds the fading pipelines that are new in this frame, and their variants. Waits for them: the level that begins to
+/// fade in the middle of a crossing has alpha 1, and would be seen to vanish, or to end as its last layer, until they are
+/// there.
+pub(super) fn build_pipelines(
+    phases: Res<ViewSortedRenderPhases<Transparent3d>>,
+    items: FadingItems,
+    mut cache: ResMut<PipelineCache>,
+    mut variants: ResMut<NearestPipelines>,
+) {
+    for item in phases.values().flat_map(|phase| phase.items.values()) {
+        if !items.has(item) || variants.0.contains_key(&item.pipeline) {
+            continue;
+        }
+        cache.block_on_render_pipeline(item.pipeline);
+        // Its shaders may not be loaded yet.
+        if cache.get_render_pipeline(item.pipeline).is_some() {
+            let variant = nearest(cache.get_render_pipeline_descriptor(item.pipeline));
+            let id = cache.queue_render_pipeline(variant);
+            cache.block_on_render_pipeline(id);
+            variants.0.insert(item.pipeline, id);
+        }
+    }
+}
+
+fn nearest(fading: &RenderPipelineDescriptor) -> RenderPipelineDescriptor {
+    let mut descriptor = fading.clone();
+    descriptor.label = Some("umbrage_nearest_fading".into());
+    // Bevy's draw function binds no more than its own groups.
+    descriptor.layout.truncate(4);
+    if let Some(depth) = &mut descriptor.depth_stencil {
+        depth.format = DEPTH_FORMAT;
+        depth.depth_write_enabled = Some(true);
+        depth.depth_compare = Some(CompareFunction::GreaterEqual);
+        // Layers are compared with unbiased depths.
+        depth.bias = default();
+    }
+    if let Some(fragment) = &mut descriptor.fragment {
+        fragment.shader_defs.push("UMBRAGE_NEAREST".into());
+        let target = |format: TextureFormat| {
+            Some(ColorTargetState {
+                format,
+                blend: None,
+                write_mask: ColorWrites::ALL,
+            })
+        };
+        fragment.targets = vec![target(NORMAL_PREPASS_FORMAT), target(LEVEL_FORMAT)];
+    }
+    descriptor
+}
+
+/// Draws the nearest fading surfaces of the current camera.
+pub(super) fn draw_nearest(
+    world: &World,
+    view: ViewQuery<(&ExtractedView, &ExtractedCamera, &FadingSurfaces)>,
+    phases: Res<ViewSortedRenderPhases<Transparent3d>>,
+    functions: Res<DrawFunctions<Transparent3d>>,
+    (items, variants): (FadingItems, Res<NearestPipelines>),
+    mut ctx: RenderContext,
+) {
+    let view_entity = view.entity();
+    let (view, camera, surfaces) = view.into_inner();
+    let Some(phase) = phases.get(&view.retained_view_entity).filter(|_| surfaces.is_current) else {
+        return;
+    };
+    let (Some(fading), Some(bevys)) = (items.function(), functions.read().get_id::<DrawMaterial>()) else {
+        return;
+    };
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("umbrage_draw_nearest_fading"),
+        color_attachments: &[cleared(&surfaces.normal), cleared(&surfaces.level)],
+        depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+            view: &surfaces.depth,
+            depth_ops: Some(Operations {
+                load: LoadOp::Clear(0.0),
+                store: StoreOp::Store,
+            }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "umbrage_draw_nearest_fading");
+    if let Some(viewport) = &camera.viewport {
+        pass.set_camera_viewport(viewport);
+    }
+    let mut functions = functions.write();
+    functions.prepare(world);
+    // The same batches as in the transparent pass: an item stands for as many as its range holds.
+    let mut index = 0;
+    while let Some((_, item)) = phase.items.get_index(index) {
+        index += item.batch_range().len().max(1);
+        let (false, true, Some(pipeline)) = (
+            item.batch_range().is_empty(),
+            item.draw_function == fading,
+            variants.0.get(&item.pipeline),
+        ) else {
+            continue;
+        };
+        let nearest = Transparent3d {
+            sorting_info: item.sorting_info,
+            distance: item.distance,
+            pipeline: *pipeline,
+            entity: item.entity,
+            draw_function: bevys,
+            batch_range: item.batch_range.clone(),
+            extra_index: item.extra_index.clone(),
+            indexed: item.indexed,
+        };
+        if let Some(draw) = functions.get_mut(bevys)
+            && let Err(error) = draw.draw(world, &mut pass, view_entity, &nearest)
+        {
+            error!("a fading part could not be drawn: {error}");
+        }
+    }
+    span.end(&mut pass);
+}
+
+fn cleared(view: &TextureView) -> Option<RenderPassColorAttachment<'_>> {
+    Some(RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: Operations {
+            load: LoadOp::Clear(default()),
+            store: StoreOp::Store,
+        },
+    })
+}

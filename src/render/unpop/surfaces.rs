@@ -1,0 +1,153 @@
+//! What is known of the nearest fading surface of every pixel, and how shaders read it.
+
+use bevy::{
+    core_pipeline::{core_3d::Transparent3d, prepass::NORMAL_PREPASS_FORMAT},
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        render_phase::ViewSortedRenderPhases,
+        render_resource::{
+            BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, PipelineCache,
+            ShaderStages, TextureFormat, TextureSampleType, TextureView,
+            binding_types::{texture_2d, texture_depth_2d},
+        },
+        renderer::RenderDevice,
+        view::ExtractedView,
+    },
+};
+
+use super::draw::FadingItems;
+use crate::render::{
+    atlas::{RESULT_FORMAT, create_target},
+    extract::ExtractedSun,
+};
+
+/// Format of numbers of levels.
+pub const LEVEL_FORMAT: TextureFormat = TextureFormat::R16Uint;
+/// Format of depth.
+pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+/// On a camera's render entity: the nearest fading surface of every pixel. 15 bytes per pixel, from the first time that
+/// something fades on.
+#[derive(Component, Clone, Debug)]
+pub struct FadingSurfaces {
+    /// Reverse z; 0 where nothing fades.
+    pub depth: TextureView,
+    /// World space, as the normal prepass holds it.
+    pub normal: TextureView,
+    /// Number of the object's level; 0: none.
+    pub level: TextureView,
+    /// The shadow result of that surface: 1 lit, 0 in shadow.
+    pub result: TextureView,
+    /// Pixels.
+    pub size: UVec2,
+    /// Whether something fades in this frame; else the textures are old.
+    pub is_current: bool,
+    /// Whether the result is drawn: not from virtual maps, which are applied to the opaque surfaces only.
+    pub has_result: bool,
+}
+
+/// On a camera's render entity: [`FadingSurfaces`] as shaders of fading materials read them.
+#[derive(Component, Clone, Debug)]
+pub struct FadingBindGroup(pub BindGroup);
+
+/// For cameras without [`FadingSurfaces`]: textures of one pixel, where nothing fades.
+#[derive(Resource)]
+pub struct NoSurfaces {
+    /// All of them.
+    pub bind_group: BindGroup,
+    depth: TextureView,
+}
+
+/// Group 4 of fading pipelines: depth and level for the material's shader; result, and depth again, for the lookup that
+/// [`bridge`](crate::render::bridge) appends to Bevy's module. Two modules cannot declare one binding.
+pub fn bind_group_layout() -> BindGroupLayoutDescriptor {
+    BindGroupLayoutDescriptor::new(
+        "umbrage_fading_surfaces",
+        &BindGroupLayoutEntries::sequential(
+            ShaderStages::FRAGMENT,
+            (
+                texture_depth_2d(),
+                texture_2d(TextureSampleType::Uint),
+                texture_2d(TextureSampleType::Float { filterable: false }),
+                texture_depth_2d(),
+            ),
+        ),
+    )
+}
+
+impl FadingSurfaces {
+    fn new(device: &RenderDevice, size: UVec2) -> Self {
+        let create = |label, format| create_target(device, label, size, format).1;
+        Self {
+            depth: create("umbrage_fading_depth", DEPTH_FORMAT),
+            normal: create("umbrage_fading_normal", NORMAL_PREPASS_FORMAT),
+            level: create("umbrage_fading_level", LEVEL_FORMAT),
+            result: create("umbrage_fading_result", RESULT_FORMAT),
+            size,
+            is_current: false,
+            has_result: true,
+        }
+    }
+
+    /// `depth_of_result` is 0 where there is no result.
+    fn bind_group(&self, device: &RenderDevice, cache: &PipelineCache, depth_of_result: &TextureView) -> BindGroup {
+        device.create_bind_group(
+            "umbrage_fading_surfaces",
+            &cache.get_bind_group_layout(&bind_group_layout()),
+            &BindGroupEntries::sequential((&self.depth, &self.level, &self.result, depth_of_result)),
+        )
+    }
+}
+
+pub(super) fn init_no_surfaces(mut commands: Commands, device: Res<RenderDevice>, cache: Res<PipelineCache>) {
+    // New textures are zero: no level.
+    let surfaces = FadingSurfaces::new(&device, UVec2::ONE);
+    commands.insert_resource(NoSurfaces {
+        bind_group: surfaces.bind_group(&device, &cache, &surfaces.depth),
+        depth: surfaces.depth,
+    });
+}
+
+/// Makes and keeps the textures of cameras in whose pictures something fades. Multisampled cameras get none: there all
+/// layers of an object are blended.
+pub(super) fn prepare_surfaces(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    cache: Res<PipelineCache>,
+    phases: Res<ViewSortedRenderPhases<Transparent3d>>,
+    items: FadingItems,
+    none: Res<NoSurfaces>,
+    mut cameras: Query<(
+        Entity,
+        &ExtractedCamera,
+        &ExtractedView,
+        &Msaa,
+        Option<&ExtractedSun>,
+        Option<&mut FadingSurfaces>,
+    )>,
+) {
+    for (entity, camera, view, msaa, sun, surfaces) in &mut cameras {
+        let has_result = sun.is_none_or(|sun| !sun.settings.maps.is_virtual());
+        let phase = phases.get(&view.retained_view_entity);
+        let fades = *msaa == Msaa::Off && phase.is_some_and(|phase| phase.items.values().any(|item| items.has(item)));
+        let size = camera.physical_target_size.filter(|size| size.min_element() > 0);
+        match (surfaces, size) {
+            (Some(mut surfaces), Some(size)) if surfaces.size == size && surfaces.has_result == has_result => {
+                surfaces.is_current = fades;
+            }
+            (_, Some(size)) if fades => {
+                let mut surfaces = FadingSurfaces::new(&device, size);
+                surfaces.is_current = true;
+                surfaces.has_result = has_result;
+                let depth_of_result = if has_result { &surfaces.depth } else { &none.depth };
+                let bind_group = FadingBindGroup(surfaces.bind_group(&device, &cache, depth_of_result));
+                commands.entity(entity).insert((surfaces, bind_group));
+            }
+            (Some(_), _) => {
+                commands.entity(entity).remove::<(FadingSurfaces, FadingBindGroup)>();
+            }
+            (None, _) => {}
+        }
+    }
+}
