@@ -37,6 +37,13 @@ struct Eye {
     lens: LodEye,
 }
 
+impl Eye {
+    /// Whether it has left its camera.
+    fn is_elsewhere(&self) -> bool {
+        self.position != self.camera_position
+    }
+}
+
 /// The eyes of this frame.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct LodEyes {
@@ -75,7 +82,7 @@ impl LodEyes {
     /// How much farther a point is from the first eye's camera than from the eye, metres: what Bevy's own distances are
     /// off by. `None` where cameras and eyes are one.
     pub(super) fn camera_offset(&self, point: Vec3) -> Option<f32> {
-        let eye = self.eyes.first().filter(|eye| eye.position != eye.camera_position)?;
+        let eye = self.eyes.first().filter(|eye| eye.is_elsewhere())?;
         Some(eye.camera_position.distance(point) - eye.position.distance(point))
     }
 
@@ -93,8 +100,8 @@ impl LodEyes {
 
     /// The eyes of the next frame.
     fn update(&mut self, eyes: Vec<Eye>, teleport: f32) {
-        let same = self.eyes.len() == eyes.len()
-            && (self.eyes.iter().zip(&eyes)).all(|(old, new)| (old.camera, old.lens) == (new.camera, new.lens));
+        let kind = |eye: &Eye| (eye.camera, eye.lens, eye.is_elsewhere());
+        let same = self.eyes.iter().map(kind).eq(eyes.iter().map(kind));
         let same_cameras = self
             .eyes
             .iter()
@@ -197,5 +204,11 @@ mod tests {
         assert!(!eyes.has_jumped && eyes.are_new, "another lens");
         eyes.update(vec![eye(1, 50.0, 2.0)], 10.0);
         assert!(eyes.has_jumped, "48 m in a frame");
+        eyes.update(vec![eye(1, 0.0, 2.0)], 100.0);
+        assert!(!eyes.has_jumped && eyes.are_new, "back at its camera");
+        eyes.update(vec![eye(1, 0.0, 2.0)], 100.0);
+        assert!(!eyes.are_new, "still there");
+        eyes.update(vec![eye(1, 0.5, 2.0)], 100.0);
+        assert!(eyes.are_new, "away from its camera");
     }
 }
