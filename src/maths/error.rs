@@ -70,6 +70,12 @@ pub struct LargestErrors {
 }
 
 impl LargestErrors {
+    /// Of a map that nobody looks up.
+    pub const NONE: Self = Self {
+        across: 0.0,
+        along: 0.0,
+    };
+
     /// The storage factor S̄ = M_x · M_z: texels needed per picture pixel for no error above 1 (Lloyd, equation 12).
     pub fn storage_factor(&self) -> f64 {
         self.across * self.along

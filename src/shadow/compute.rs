@@ -206,19 +206,23 @@ impl Fitter<'_> {
     fn layout(&self, parts: &[Part], previous: Option<&AtlasLayout>) -> AtlasLayout {
         let size = self.settings.map_size;
         let most = self.settings.partitions.maps();
-        let slots = parts.iter().map(|part| part.slot);
+        let slots: Vec<u32> = parts.iter().map(|part| part.slot).collect();
+        let in_use = || slots.iter().copied();
         if self.settings.maps.is_virtual() {
             // Tiles have textures of their own.
-            return AtlasLayout::equal(1, 1, slots);
+            return AtlasLayout::equal(1, 1, in_use());
         }
         match (self.settings.path, self.settings.partitions.resolution) {
-            (ShadowPath::DropIn, _) => AtlasLayout::equal(size, 1, slots.map(|_| 0)),
-            (ShadowPath::Full, MapResolution::Equal) => AtlasLayout::equal(size, most, slots),
+            (ShadowPath::DropIn, _) => AtlasLayout::equal(size, 1, in_use().map(|_| 0)),
+            (ShadowPath::Full, MapResolution::Equal) => AtlasLayout::equal(size, most, in_use()),
             (ShadowPath::Full, MapResolution::Balanced) => {
                 let square = UVec2::splat(size);
-                let needs = parts.iter().map(|part| self.needs(part, square)).collect();
-                AtlasLayout::balanced(needs, size * cells_per_side(most), previous)
-                    .unwrap_or_else(|| AtlasLayout::equal(size, most, slots))
+                let mut needs = vec![LargestErrors::NONE; most as usize];
+                for part in parts {
+                    needs[part.slot as usize] = self.needs(part, square);
+                }
+                AtlasLayout::balanced(needs, &slots, size * cells_per_side(most), previous)
+                    .unwrap_or_else(|| AtlasLayout::equal(size, most, in_use()))
             }
         }
     }
@@ -227,10 +231,7 @@ impl Fitter<'_> {
     /// Zero where there is nothing to see.
     fn needs(&self, part: &Part, map_size: UVec2) -> LargestErrors {
         let Some(fit) = self.fit(part, map_size) else {
-            return LargestErrors {
-                across: 0.0,
-                along: 0.0,
-            };
+            return LargestErrors::NONE;
         };
         let light_from_world = fit.world_from_light.inverse();
         let sample = |vertex: &DVec3| {

@@ -1,11 +1,11 @@
 //! [`AtlasLayout`]: how many texels each map of a camera gets, and where they lie in the atlas (Lloyd, section 6.1; Stingl,
 //! section 3.3.5).
 
-use bevy::math::{UVec2, UVec4};
+use bevy::math::{UVec2, UVec4, Vec4Swizzles};
 
 use crate::maths::{
     error::LargestErrors,
-    storage::{SizeLimits, fill_atlas},
+    storage::{SizeLimits, error_of_size, fill_atlas},
 };
 
 /// The maps of one camera in their square atlas.
@@ -15,7 +15,9 @@ pub struct AtlasLayout {
     pub side: u32,
     /// x, y, width and height of every map in texels, from the top left. They neither overlap nor stick out.
     pub rects: Vec<UVec4>,
-    /// The largest errors that balanced maps were made for; empty for equal maps.
+    /// Of balanced maps: the rectangles of all slots, also of those without a map in this frame; empty for equal maps.
+    places: Vec<UVec4>,
+    /// The largest errors that they were made for, by slot; empty for equal maps.
     needs: Vec<LargestErrors>,
 }
 
@@ -46,28 +48,50 @@ impl AtlasLayout {
             rects: slots
                 .map(|slot| UVec4::new(slot % grid * cell, slot / grid * cell, cell, cell))
                 .collect(),
+            places: Vec::new(),
             needs: Vec::new(),
         }
     }
 
-    /// Rectangles that give all maps the same largest error; the layout of the frame before as long as it is good. `None`
+    /// Rectangles that give all maps the same largest error; those of the frame before as long as they are good. `None`
     /// where the atlas has no room for maps of the smallest side.
+    ///
+    /// `needs`: the largest errors by slot, zero for slots without a map, which keep a place of the smallest side: a map
+    /// that comes or goes thin moves no other (Lloyd, section 5.1.2). `slots`: those with a map, in the order of the
+    /// rectangles.
     #[must_use]
-    pub fn balanced(needs: Vec<LargestErrors>, side: u32, previous: Option<&Self>) -> Option<Self> {
+    pub fn balanced(needs: Vec<LargestErrors>, slots: &[u32], side: u32, previous: Option<&Self>) -> Option<Self> {
+        let with_rects = |layout: Self| {
+            let rects = slots.iter().map(|slot| layout.places.get(*slot as usize).copied());
+            let rects: Option<Vec<UVec4>> = rects.collect();
+            Some(Self {
+                rects: rects?,
+                ..layout
+            })
+        };
         let kept = previous.filter(|previous| previous.side == side && previous.suits(&needs));
         if let Some(kept) = kept {
-            return Some(kept.clone());
+            return with_rects(kept.clone());
         }
         let limits = SizeLimits {
             smallest: SMALLEST.min(side / 16),
             largest: side,
             multiple: MULTIPLE,
         };
-        let rects = fill_atlas(&needs, side, &limits).cells;
-        (rects.len() == needs.len()).then_some(Self { side, rects, needs })
+        let places = fill_atlas(&needs, side, &limits).cells;
+        if places.len() != needs.len() {
+            return None;
+        }
+        with_rects(Self {
+            side,
+            rects: Vec::new(),
+            places,
+            needs,
+        })
     }
 
-    /// Whether the shares and the shapes that the maps have are about those that they need.
+    /// Whether the shares and the shapes that the maps have are about those that they need, or a map has come that is good
+    /// enough in its place, or has gone.
     fn suits(&self, needs: &[LargestErrors]) -> bool {
         let shares = |needs: &[LargestErrors]| -> Vec<f64> {
             let total: f64 = needs.iter().map(LargestErrors::storage_factor).sum();
@@ -78,7 +102,21 @@ impl AtlasLayout {
         let tolerated = 1.0 / TOLERATED_CHANGE..=TOLERATED_CHANGE;
         // Maps of parts that see nothing need nothing.
         let is_kept = |(old, new): (&f64, &f64)| old == new || tolerated.contains(&(new / old));
-        old.len() == new.len() && old.iter().zip(&new).all(is_kept)
+        let errors = |needs: &[LargestErrors]| -> Vec<f64> {
+            let maps = needs.iter().zip(&self.places);
+            let errors = maps.map(|(need, place)| error_of_size(need, place.zw(), 1.0));
+            errors
+                .map(|error| if error.is_finite() { error } else { 0.0 })
+                .collect()
+        };
+        let worst = errors(&self.needs).into_iter().fold(0.0, f64::max);
+        let is_good_in_place = |slot: usize, error: f64| {
+            let is_without = |needs: &[LargestErrors]| needs[slot].storage_factor() == 0.0;
+            (is_without(&self.needs) || is_without(needs)) && error <= worst * TOLERATED_CHANGE
+        };
+        self.needs.len() == needs.len()
+            && (old.chunks(2).zip(new.chunks(2)).zip(errors(needs)).enumerate())
+                .all(|(slot, ((old, new), error))| old.iter().zip(new).all(is_kept) || is_good_in_place(slot, error))
     }
 
     /// The same layout in an atlas of at most `largest` texels per side.
@@ -88,18 +126,16 @@ impl AtlasLayout {
             return self.clone();
         }
         let scaled = |texels: u32| (u64::from(texels) * u64::from(largest) / u64::from(self.side.max(1))) as u32;
+        let shrink = |rect: &UVec4| {
+            let start = UVec2::new(scaled(rect.x), scaled(rect.y));
+            let end = UVec2::new(scaled(rect.x + rect.z), scaled(rect.y + rect.w));
+            let size = (end - start).max(UVec2::ONE);
+            UVec4::new(start.x, start.y, size.x, size.y)
+        };
         Self {
             side: largest,
-            rects: self
-                .rects
-                .iter()
-                .map(|rect| {
-                    let start = UVec2::new(scaled(rect.x), scaled(rect.y));
-                    let end = UVec2::new(scaled(rect.x + rect.z), scaled(rect.y + rect.w));
-                    let size = (end - start).max(UVec2::ONE);
-                    UVec4::new(start.x, start.y, size.x, size.y)
-                })
-                .collect(),
+            rects: self.rects.iter().map(shrink).collect(),
+            places: self.places.iter().map(shrink).collect(),
             needs: self.needs.clone(),
         }
     }
@@ -147,20 +183,47 @@ mod tests {
         assert_eq!(some.rects, [all.rects[1], all.rects[4]]);
     }
 
+    fn balanced(needs: Vec<LargestErrors>, previous: Option<&AtlasLayout>) -> AtlasLayout {
+        let slots: Vec<u32> = (0..needs.len() as u32).collect();
+        AtlasLayout::balanced(needs, &slots, 1024, previous).expect("room")
+    }
+
+    /// Lloyd, section 5.1.2: a face that comes into the light comes thin.
+    #[test]
+    fn maps_that_come_and_go_thin_move_no_other() {
+        let of = |last: LargestErrors| vec![need(10.0, 10.0), need(3.0, 5.0), need(3.0, 5.0), last];
+        let slots = [0, 1, 2, 3];
+        let without = AtlasLayout::balanced(of(need(0.0, 0.0)), &slots[..3], 1024, None).expect("room");
+        assert_eq!(without.rects.len(), 3);
+        let thin = AtlasLayout::balanced(of(need(0.1, 0.4)), &slots, 1024, Some(&without)).expect("room");
+        assert_eq!(thin.rects[..3], without.rects, "a thin map has come");
+        assert_apart(&thin);
+        let gone = AtlasLayout::balanced(of(need(0.0, 0.0)), &slots[..3], 1024, Some(&thin)).expect("room");
+        assert_eq!(gone, without, "and gone");
+        let thick = AtlasLayout::balanced(of(need(6.0, 6.0)), &slots, 1024, Some(&thin)).expect("room");
+        assert_ne!(thick.rects[..3], without.rects, "a map that needs its share gets it");
+        let fewer = AtlasLayout::balanced(of(need(0.1, 0.4)), &[1, 3], 1024, Some(&thin)).expect("room");
+        assert_eq!(
+            fewer.rects,
+            [thin.rects[1], thin.rects[3]],
+            "rectangles follow their slots"
+        );
+    }
+
     #[test]
     fn balanced_maps_stay_until_the_need_has_changed() {
         let of = |stretch: f64| vec![need(10.0 * stretch, 10.0), need(3.0, 5.0), need(3.0, 5.0)];
-        let first = AtlasLayout::balanced(of(1.0), 1024, None).expect("room");
+        let first = balanced(of(1.0), None);
         assert_apart(&first);
-        let near = AtlasLayout::balanced(of(1.2), 1024, Some(&first)).expect("room");
+        let near = balanced(of(1.2), Some(&first));
         assert_eq!(first, near, "a fifth is tolerated");
         let unseen = |along: f64| [of(1.0), vec![need(0.0, 0.0)], vec![need(1.0, along)]].concat();
-        let with_unseen = AtlasLayout::balanced(unseen(1.0), 1024, None).expect("room");
-        let later = AtlasLayout::balanced(unseen(1.01), 1024, Some(&with_unseen)).expect("room");
+        let with_unseen = balanced(unseen(1.0), None);
+        let later = balanced(unseen(1.01), Some(&with_unseen));
         assert_eq!(with_unseen, later, "a map that nothing needs changes nothing");
-        let far = AtlasLayout::balanced(of(1.8), 1024, Some(&first)).expect("room");
+        let far = balanced(of(1.8), Some(&first));
         assert_ne!(first.rects, far.rects, "four fifths are not");
-        let fewer = AtlasLayout::balanced(of(1.0)[..2].to_vec(), 1024, Some(&first)).expect("room");
+        let fewer = balanced(of(1.0)[..2].to_vec(), Some(&first));
         assert_eq!(fewer.rects.len(), 2, "a map less");
     }
 
@@ -181,7 +244,8 @@ mod tests {
             largest in 100u32..5000,
         ) {
             let needs: Vec<_> = needs.into_iter().map(|(across, along)| need(across, along)).collect();
-            let layout = AtlasLayout::balanced(needs, side, None).expect("room");
+            let slots: Vec<u32> = (0..needs.len() as u32).collect();
+            let layout = AtlasLayout::balanced(needs, &slots, side, None).expect("room");
             assert_apart(&layout);
             let shrunk = layout.shrunk(largest);
             prop_assert!(shrunk.rects.iter().all(|rect| rect.x + rect.z <= shrunk.side && rect.y + rect.w <= shrunk.side));

@@ -226,3 +226,49 @@ fn hundreds_of_instances_are_drawn() {
     let dark = mask.pixels().filter(|pixel| pixel.0[0] < 128).count();
     assert!(dark > 500, "the cubes throw shadows: {dark} pixels");
 }
+
+/// Scherzer 2005, figure 6: the command of the README, small. Without a bias surfaces shade themselves.
+#[test]
+fn the_three_by_three_comparison_shows_what_biases_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let techniques = [
+        "bias=none",
+        "bias=slope,bias_scale=0,bias_units=30000",
+        "bias=slope",
+        "bias_m=0",
+        "bias_m=0.1",
+        "bias=world-slope",
+        "store=back,bias=none",
+        "store=back,bias_m=0.1",
+        "store=back,bias=slope",
+    ];
+    let techniques: String = (techniques.iter())
+        .map(|keys| format!(" --technique lispsm:size=256,{keys}"))
+        .collect();
+    let scene = "shoot room/plane_box --shot corner --size 96x54 --passes mask --sheet 3";
+    shoot(folder.path(), &format!("{scene}{techniques}"));
+    let out = folder.path().join("out");
+    let sheet = rgb(&out.join("room-plane-box_corner_sheet_mask.png"));
+    assert!(
+        sheet.width() > 3 * 96 && sheet.height() > 3 * 54,
+        "{:?}",
+        sheet.dimensions()
+    );
+
+    let stats: Value = serde_json::from_slice(&fs::read(out.join("stats.json")).expect("there")).expect("JSON");
+    let takes = stats["takes"].as_array().expect("takes");
+    let dark: Vec<usize> = (takes.iter())
+        .map(|take| {
+            let file = take["files"]["mask"].as_str().expect("a file");
+            gray(&out.join(file)).pixels().filter(|pixel| pixel.0[0] < 128).count()
+        })
+        .collect();
+    assert_eq!(dark.len(), 9);
+    // Columns: none, a constant, by slope. Rows: in depth, in metres.
+    for row in [0, 3] {
+        let [none, constant, slope] = [dark[row], dark[row + 1], dark[row + 2]];
+        assert!(none > slope + 100 && none > constant + 100, "{dark:?}: row {row}");
+    }
+    // Maps of back faces shade no lit surface, with any bias.
+    assert!(dark[6] < dark[0] && dark[3] < 2 * dark[0], "{dark:?}");
+}

@@ -19,6 +19,7 @@ use bevy::{
             TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor,
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
+        sync_world::RenderEntity,
     },
 };
 use rand::{RngExt, SeedableRng};
@@ -296,9 +297,39 @@ fn culling_changes_no_texel() {
     }
 }
 
+/// Maps drawn in passes of their own hold what they hold when one pass draws all.
+#[test]
+fn shared_passes_change_no_texel() {
+    for technique in [
+        "zp4+lispsm:size=256",
+        "fp2+lispsm:size=128",
+        "zp2:size=256,store=second",
+    ] {
+        let shared = started(technique, 200);
+        let each = started(&format!("{technique},passes=each"), 200);
+        assert_eq!(
+            differing(&shared.atlas(), &each.atlas()),
+            0,
+            "{technique}: texels differ"
+        );
+        assert!(shared.atlas().to_f32().iter().filter(|depth| **depth > 0.0).count() > 1000);
+        let slots = |harness: &Harness| {
+            let camera = harness
+                .app
+                .world()
+                .get::<RenderEntity>(harness.camera)
+                .expect("drawn")
+                .id();
+            let world = harness.app.sub_app(RenderApp).world();
+            world.get::<CasterPlan>(camera).expect("a plan").slots
+        };
+        assert!(slots(&shared) > 1 && slots(&each) == 1, "{technique}");
+    }
+}
+
 /// Draws that passed culling, and what would be drawn without it.
 fn indirect_draws(harness: &Harness) -> (u32, u32) {
-    use bevy::render::{render_resource::*, renderer::RenderQueue, sync_world::RenderEntity};
+    use bevy::render::{render_resource::*, renderer::RenderQueue};
     let camera = harness
         .app
         .world()

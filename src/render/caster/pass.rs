@@ -22,7 +22,10 @@ use bevy::{
 };
 
 use super::{phase::Caster, plan::CasterPlan, prepare::CasterViews};
-use crate::render::{atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CullParameters, shaders};
+use crate::{
+    render::{atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CullParameters, shaders},
+    shadow::settings::CasterPasses,
+};
 
 /// Invocations of one workgroup of the culling shader.
 const WORKGROUP_SIZE: u32 = 64;
@@ -124,7 +127,8 @@ pub(in crate::render) fn cull_casters(
     true
 }
 
-/// Culls and draws the light views of the current camera, into one atlas or two. Virtual maps draw their tiles themselves.
+/// Culls and draws the light views of the current camera, into one atlas or two, together or one after the other. Virtual
+/// maps draw their tiles themselves.
 pub fn draw_casters(
     world: &World,
     view: ViewQuery<(&CasterViews, &CasterPlan, &ShadowAtlas, &ExtractedSun)>,
@@ -143,35 +147,47 @@ pub fn draw_casters(
     }
     let matrices = sun.light_views.iter().map(|light_view| light_view.clip_from_world);
     let matrices: Vec<Mat4> = matrices.collect();
-    let count = matrices.len() as u32;
-    let matrices = storage_buffer(ctx.render_device(), "umbrage_light_view_matrices", &matrices);
-    // Until the draws exist (the first frames) the atlas is only cleared.
-    let ready = cull_casters(world, &mut ctx, plan, &matrices, count, 0);
-
-    let targets = [(&atlas.view, &views.light_views, "umbrage_draw_casters")];
+    let together = match sun.settings.caster_passes {
+        CasterPasses::Shared => matrices.len().max(1),
+        CasterPasses::PerMap => 1,
+    };
+    let first = (&atlas.view, &views.light_views, "umbrage_draw_casters");
     let second = atlas.second.as_ref();
     let second = second.map(|(_, view)| (view, &views.second_views, "umbrage_draw_second_casters"));
-    for (target, light_views, label) in targets.into_iter().chain(second) {
-        let diagnostics = ctx.diagnostic_recorder();
-        let diagnostics = diagnostics.as_deref();
-        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some(label),
-            color_attachments: &[],
-            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-                view: target,
-                depth_ops: Some(Operations {
-                    load: LoadOp::Clear(0.0),
-                    store: StoreOp::Store,
+    // An atlas without maps is cleared all the same.
+    for start in (0..matrices.len().max(1)).step_by(together) {
+        let maps = start..(start + together).min(matrices.len());
+        let buffer = storage_buffer(
+            ctx.render_device(),
+            "umbrage_light_view_matrices",
+            &matrices[maps.clone()].to_vec(),
+        );
+        // Until the draws exist (the first frames) the atlas is only cleared.
+        let ready = cull_casters(world, &mut ctx, plan, &buffer, maps.len() as u32, start as u32);
+        for (target, light_views, label) in std::iter::once(first).chain(second) {
+            let diagnostics = ctx.diagnostic_recorder();
+            let diagnostics = diagnostics.as_deref();
+            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                label: Some(label),
+                color_attachments: &[],
+                depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                    view: target,
+                    depth_ops: Some(Operations {
+                        load: if start == 0 { LoadOp::Clear(0.0) } else { LoadOp::Load },
+                        store: StoreOp::Store,
+                    }),
+                    stencil_ops: None,
                 }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        let span = diagnostics.pass_span(&mut pass, label);
-        if ready {
-            for (index, light_view) in light_views.iter().enumerate() {
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            let span = diagnostics.pass_span(&mut pass, label);
+            let drawn = light_views
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| ready && maps.contains(index));
+            for (index, light_view) in drawn {
                 let rect = atlas.rect(index);
                 pass.set_viewport(rect.x as f32, rect.y as f32, rect.z as f32, rect.w as f32, 0.0, 1.0);
                 pass.set_scissor_rect(rect.x, rect.y, rect.z, rect.w);
@@ -179,8 +195,8 @@ pub fn draw_casters(
                     error!("a light view could not be drawn: {error}");
                 }
             }
+            span.end(&mut pass);
         }
-        span.end(&mut pass);
     }
 }
 

@@ -25,7 +25,10 @@ use super::{
     phase::{Caster, CollectBins, CollectedBin, DRAW_BYTES, LightViewDraws},
     prepare::CasterViews,
 };
-use crate::render::{atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CasterBin};
+use crate::{
+    render::{atlas::ShadowAtlas, extract::ExtractedSun, gpu_types::CasterBin},
+    shadow::settings::CasterPasses,
+};
 
 /// On a camera's render entity: the bins of this frame and the buffers of their draws.
 #[derive(Component, Clone, Debug, Default)]
@@ -58,13 +61,15 @@ pub fn plan_casters(world: &mut World) {
         .max()
         .unwrap_or(0);
     let light_view_count = views.light_views.len() as u32;
-    let is_virtual = world
-        .get::<ExtractedSun>(camera)
-        .is_some_and(|sun| sun.settings.maps.is_virtual());
+    let settings = world.get::<ExtractedSun>(camera).map(|sun| &sun.settings);
+    let is_virtual = settings.is_some_and(|settings| settings.maps.is_virtual());
+    let is_apart = !is_virtual && settings.is_some_and(|settings| settings.caster_passes == CasterPasses::PerMap);
 
     let device = world.resource::<RenderDevice>();
-    // Light views of an atlas are drawn in one pass; tiles may as well be drawn a few at a time.
-    let slots = if is_virtual {
+    // Light views of an atlas are drawn in one pass, or each in its own; tiles may as well be drawn a few at a time.
+    let slots = if is_apart {
+        light_view_count.min(1)
+    } else if is_virtual {
         (1..=light_view_count)
             .rev()
             .find(|slots| fits(device, u64::from(instance_total) * u64::from(*slots)))
@@ -100,7 +105,7 @@ pub fn plan_casters(world: &mut World) {
     for light_views in [&views.light_views, &views.second_views] {
         for (index, light_view) in light_views.iter().enumerate() {
             world.entity_mut(*light_view).insert(LightViewDraws {
-                index: index as u32,
+                index: if is_apart { 0 } else { index as u32 },
                 instance_total,
                 indirect: indirect.clone(),
             });

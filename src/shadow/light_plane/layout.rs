@@ -48,7 +48,8 @@ impl FilmLayout {
             one.rects = vec![UVec4::new(0, 0, side, inner)];
             (one, None)
         } else {
-            match AtlasLayout::balanced(partition.needed_sizes(), inner, last) {
+            let slots: Vec<u32> = (0..count).collect();
+            match AtlasLayout::balanced(partition.needed_sizes(), &slots, inner, last) {
                 Some(films) => (films.clone(), Some(films)),
                 None => (AtlasLayout::equal(inner / cells_per_side(count), count, 0..count), None),
             }

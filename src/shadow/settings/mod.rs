@@ -46,6 +46,8 @@ pub struct SunShadows {
     pub filter: ShadowFilter,
     /// How self-shadowing is avoided.
     pub bias: ShadowBias,
+    /// How casters get into the maps. Means nothing on the drop-in path and for virtual maps.
+    pub caster_passes: CasterPasses,
     /// What the maps store. Means nothing on the drop-in path, which stores the nearest surface.
     pub store: ShadowStore,
     /// Blur of the shadow result on the screen. Means nothing on the drop-in path, which has no shadow result.
@@ -63,6 +65,17 @@ pub struct SunShadows {
     /// surfaces read it. Costs one more map of [`DirectionalLightShadowMap`](bevy::light::DirectionalLightShadowMap)
     /// size.
     pub fallback_map: bool,
+}
+
+/// How casters get into the maps of an atlas: changes no texel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+pub enum CasterPasses {
+    /// One culling dispatch over casters × maps, then one render pass draws all maps from one set of instances (the
+    /// geometry cloning of Lloyd et al. 2006, section 6.1, without a geometry shader). The default.
+    #[default]
+    Shared,
+    /// A culling dispatch and a render pass per map, as renderers without cloning do: for comparison.
+    PerMap,
 }
 
 /// On a camera that gets no sun shadows of Umbrage's: everything that it sees is lit, and no light view is computed for it.
@@ -300,6 +313,7 @@ impl SunShadows {
             seams: Seams::NONE,
             filter: ShadowFilter::Pcf2,
             bias: ShadowBias::Footprint { scale: 1.0 },
+            caster_passes: CasterPasses::Shared,
             store: ShadowStore::Nearest,
             blur: ShadowBlur::NONE,
             distance: None,

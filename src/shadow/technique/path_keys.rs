@@ -7,7 +7,7 @@ use super::{
 use crate::shadow::{
     checked::MAP_SIZES,
     layout::cells_per_side,
-    settings::{Faces, ShadowPath, SunShadows},
+    settings::{CasterPasses, Faces, ShadowPath, SunShadows},
 };
 
 /// Side of the largest texture that every desktop adapter has.
@@ -18,6 +18,7 @@ pub(super) const TOPIC: Topic = Topic {
         Key::new("path", "full|dropin"),
         Key::new("size", "texels per side of one map, 16..=8192"),
         Key::full("fallback", "on|off"),
+        Key::full("passes", "shared|each, of the casters"),
     ],
     read,
     changes,
@@ -71,6 +72,13 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     if let Some(fallback) = pairs.read("fallback", switch)? {
         settings.fallback_map = fallback;
     }
+    if let Some(passes) = pairs.read("passes", |text| match text {
+        "shared" => Some(CasterPasses::Shared),
+        "each" => Some(CasterPasses::PerMap),
+        _ => None,
+    })? {
+        settings.caster_passes = passes;
+    }
     Ok(())
 }
 
@@ -84,6 +92,9 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     }
     if settings.fallback_map != default.fallback_map {
         pairs.push(format!("fallback={}", switch_text(settings.fallback_map)));
+    }
+    if settings.caster_passes != default.caster_passes {
+        pairs.push("passes=each".to_owned());
     }
     pairs
 }
