@@ -1,5 +1,5 @@
-//! Overlays in color of the player's camera: texel ÷ pixel and which map is read ([`TexelHeatMap`]), the tiles of virtual
-//! maps ([`TileOverlay`]) and the needs of fitted ones ([`NeedOverlay`]).
+//! Overlays in color of the player's camera: texel ÷ pixel, texels per pixel and which map is read ([`TexelHeatMap`]), the
+//! tiles of virtual maps ([`TileOverlay`]) and the needs of fitted ones ([`NeedOverlay`]).
 
 use bevy::{core_pipeline::prepass::NormalPrepass, prelude::*};
 
@@ -60,6 +60,7 @@ fn heat_map(world: &World, sun: Entity, camera: Entity, overlay: Overlay) -> Tex
             _ => LightMaps::of(world, sun, camera),
         },
         colors: match overlay {
+            Overlay::SamplingRate(measure) => HeatColors::SamplingRate(measure),
             Overlay::Maps => HeatColors::Maps,
             _ => HeatColors::TexelRatio,
         },

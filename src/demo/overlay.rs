@@ -9,7 +9,7 @@ use super::{
     input::{Action, Intent},
     screens::Activity,
 };
-use crate::shadow::gizmos::SunShadowGizmos;
+use crate::{maths::sampling_rate::RateMeasure, shadow::gizmos::SunShadowGizmos};
 
 /// The overlay that is shown.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub enum Overlay {
     TexelRatio,
     /// The same of one uniform map of as many texels over what light planes cover; nothing under other techniques.
     TexelRatioBefore,
+    /// Texels per pixel in the measures and colors of Stingl 2011.
+    SamplingRate(RateMeasure),
     /// Which map is read, in color.
     Maps,
     /// Tiles of a virtual map.
@@ -50,7 +52,10 @@ impl Overlay {
             Self::LightViews => Self::All,
             Self::All => Self::TexelRatio,
             Self::TexelRatio => Self::TexelRatioBefore,
-            Self::TexelRatioBefore => Self::Maps,
+            Self::TexelRatioBefore => Self::SamplingRate(RateMeasure::Area),
+            Self::SamplingRate(RateMeasure::Area) => Self::SamplingRate(RateMeasure::Across),
+            Self::SamplingRate(RateMeasure::Across) => Self::SamplingRate(RateMeasure::Along),
+            Self::SamplingRate(RateMeasure::Along) => Self::Maps,
             Self::Maps => Self::Tiles,
             Self::Tiles => Self::Needs,
             Self::Needs => Self::Levels,
@@ -68,6 +73,11 @@ impl Overlay {
             Self::All => "bodies, split frusta and light views",
             Self::TexelRatio => "texel / pixel: dark blue 1/8, blue 1/4, cyan 1/2, green 1, yellow 2, orange 4, red 8",
             Self::TexelRatioBefore => "texel / pixel without a light plane: one uniform map",
+            Self::SamplingRate(RateMeasure::Area) => {
+                "texels per pixel, by area: dark red 0, yellow 1/3, green 1, light blue 3, dark blue 10"
+            }
+            Self::SamplingRate(RateMeasure::Across) => "texels per pixel across the map, x, in the same colors",
+            Self::SamplingRate(RateMeasure::Along) => "texels per pixel along the map, y, in the same colors",
             Self::Maps => "maps: red, yellow, green, blue, and again",
             Self::Tiles => "tiles of virtual maps, blue coarsest, the next color for each doubling",
             Self::Needs => {
@@ -89,7 +99,10 @@ impl Overlay {
 
     /// Whether colors show it.
     pub fn is_heat_map(self) -> bool {
-        matches!(self, Self::TexelRatio | Self::TexelRatioBefore | Self::Maps)
+        matches!(
+            self,
+            Self::TexelRatio | Self::TexelRatioBefore | Self::SamplingRate(_) | Self::Maps
+        )
     }
 
     /// The lines that show it; a partition's are red, yellow, green, blue in turn.
@@ -146,7 +159,7 @@ mod tests {
         }
         assert_eq!(
             (seen.len(), seen[0]),
-            (11, (false, false, false, None, false, false, false))
+            (14, (false, false, false, None, false, false, false))
         );
     }
 }

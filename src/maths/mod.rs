@@ -62,6 +62,7 @@
 //! | m_x, m_z | [`error::error_across`], [`error::error_along`] | S eq. 2.3 to 2.8; L eq. 7, 8 |
 //! | M_x, M_z, S̄ | [`error::LargestErrors`], [`error::largest_errors`] | L eq. 9, 10, 12, section 4.4 |
 //! | m, w_l, w_i, cos θ_i / cos θ_l | [`footprint::TexelsOnPixels`] | L eq. 1; S eq. 2.2 |
+//! | a; dSdX, dSdY | [`sampling_rate::TexelsPerPixel`]; its Jacobian | S 5.7, A.3 |
 //! | η(γ), W_lz | [`warp::reparametrised_eta`], [`warp::frustum_extent`] | S eq. 3.3, 3.5 |
 //! | n_p, f_p (pseudo planes), z_vis | [`fit::FitOptions`], [`warp::WarpSpan::levelled_between`] | S 4.2 eq. 4.2; Scherzer 2005, 4.4 |
 //! | δ, ξ (80 % rule) | [`warp::trapezoidal_warp_near`] | L 4.1 |
@@ -141,6 +142,7 @@ pub mod light_plane;
 pub mod lod;
 pub mod near_plane;
 pub mod polytope;
+pub mod sampling_rate;
 pub mod selection;
 pub mod split;
 pub mod stable;

@@ -63,6 +63,7 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "depth_range/reduce_depths.wgsl");
     embed_shader!(registry, "history/blend_history.wgsl");
     embed_shader!(registry, "heat_map/map_colors.wgsl");
+    embed_shader!(registry, "heat_map/sampling_rate.wgsl");
     embed_shader!(registry, "heat_map/texel_ratio.wgsl");
     embed_shader!(registry, "light_plane/see_blocks.wgsl");
     embed_shader!(registry, "virtual_map/apply_tile.wgsl");

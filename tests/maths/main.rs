@@ -31,6 +31,7 @@ mod polytope;
 mod post_perspective;
 mod presets;
 mod properties;
+mod sampling_rate;
 mod schemes;
 mod selection;
 mod shaders;

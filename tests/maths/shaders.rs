@@ -1,9 +1,11 @@
 //! Shader twins: they compile, and have the functions and the constants of the Rust ones.
 
 use naga::{
+    Expression, Literal,
     front::wgsl::parse_str,
     valid::{Capabilities, ValidationFlags, Validator},
 };
+use umbrage::maths::sampling_rate::RATE_KNOTS;
 
 const TYPES: &str = include_str!("../../shaders/types.wgsl");
 const SPACES: &str = include_str!("../../shaders/spaces.wgsl");
@@ -18,6 +20,7 @@ const EYE_BLUR: &str = include_str!("../../shaders/blur/eye_blur.wgsl");
 /// What the imported modules of the engine declare, as far as it is used.
 const ENGINE: &str = "
 struct View {
+    clip_from_world: mat4x4<f32>,
     world_from_clip: mat4x4<f32>,
     view_from_world: mat4x4<f32>,
     world_from_view: mat4x4<f32>,
@@ -123,6 +126,47 @@ fn the_blur_compiles_with_the_functions_of_its_twin() {
         assert!(names.contains(&name), "{name} has no twin among {names:?}");
     }
     assert_eq!(module.entry_points.len(), 1, "one pass");
+}
+
+#[test]
+fn sampling_rates_compile_with_the_knots_of_their_twin() {
+    const RATE: &str = include_str!("../../shaders/heat_map/sampling_rate.wgsl");
+    let library = [ENGINE, TYPES, SPACES, BIAS, SURFACE, DEPTH_OFFSET, FILTER, SELECTION];
+    for definitions in [&[][..], &["UMBRAGE_RATE_ACROSS"], &["UMBRAGE_RATE_ALONG"]] {
+        let source = with_definitions(RATE, definitions);
+        assert_eq!(
+            source.contains("abs(determinant("),
+            definitions.is_empty(),
+            "area without a definition"
+        );
+        assert!(
+            source.matches("    return length(").count() <= 1,
+            "one measure at a time"
+        );
+        let module = compose(&[&library[..], &[&source]].concat());
+        assert_eq!(module.entry_points.len(), 1, "one pass");
+        let knots = numbers_of(&module, "RATE_KNOTS");
+        let wanted = RATE_KNOTS.map(|(rate, color)| [color.x, color.y, color.z, rate]);
+        assert_eq!(knots, wanted.concat(), "{definitions:?}");
+    }
+}
+
+/// All numbers of a constant, in order.
+fn numbers_of(module: &naga::Module, name: &str) -> Vec<f32> {
+    let found = module
+        .constants
+        .iter()
+        .find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let (_, constant) = found.unwrap_or_else(|| panic!("no constant {name}"));
+    let (mut left, mut numbers) = (vec![constant.init], Vec::new());
+    while let Some(expression) = left.pop() {
+        match &module.global_expressions[expression] {
+            Expression::Compose { components, .. } => left.extend(components.iter().rev()),
+            Expression::Literal(Literal::F32(number)) => numbers.push(*number),
+            other => panic!("{name} is not made of numbers: {other:?}"),
+        }
+    }
+    numbers
 }
 
 /// The value of a constant in a shader or in Rust.

@@ -1,17 +1,23 @@
-//! The heat map on the GPU against texel ÷ pixel on the CPU.
+//! The heat map on the GPU against texel ÷ pixel, and texels per pixel, on the CPU.
+
+use std::collections::HashSet;
 
 use bevy::prelude::*;
 use umbrage::{
+    maths::sampling_rate::RateMeasure,
     prelude::*,
     render::{
         capture,
-        heat_map::{HeatColors, TexelHeatMap, color::heat_color},
+        heat_map::{
+            HeatColors, TexelHeatMap,
+            color::{heat_color, sampling_color},
+        },
         light_maps::LightMaps,
         mask::ShadowMask,
         reference::{
             extract::truth_scene,
             pixels::{self, PixelRays},
-            sampling::samples,
+            sampling::{Sample, samples},
         },
     },
     shadow::technique::Technique,
@@ -22,8 +28,57 @@ use crate::harness::{Harness, eye};
 const SIZE: UVec2 = UVec2::new(160, 90);
 const LIGHT: Vec3 = Vec3::new(-0.5, -0.8, -0.4);
 
-/// Share of pixels whose color is not that of the CPU's ratio, how many were compared, and how many colors there are.
-fn compare(technique: &str) -> (f64, usize, usize) {
+/// What can be computed from a sample.
+const COLORS: [HeatColors; 4] = [
+    HeatColors::TexelRatio,
+    HeatColors::SamplingRate(RateMeasure::Area),
+    HeatColors::SamplingRate(RateMeasure::Across),
+    HeatColors::SamplingRate(RateMeasure::Along),
+];
+
+fn wanted_color(colors: HeatColors, sample: &Sample) -> Srgba {
+    match colors {
+        HeatColors::TexelRatio => heat_color(sample.mean_size as f32).into(),
+        HeatColors::SamplingRate(measure) => sampling_color(sample.texels_per_pixel.get(measure) as f32).into(),
+        HeatColors::Maps => unreachable!("its colors are not those of a number"),
+    }
+}
+
+/// A picture against the CPU's numbers.
+struct Comparison {
+    /// Share of pixels whose color is not that of the CPU's number.
+    different: f64,
+    compared: usize,
+    shown: HashSet<Vec<u8>>,
+}
+
+fn compare(picture: &[u8], samples: &[Option<Sample>], colors: HeatColors) -> Comparison {
+    let (mut compared, mut different, mut all_shown) = (0_usize, 0_usize, HashSet::new());
+    for (index, sample) in samples.iter().enumerate() {
+        let Some(sample) = sample else {
+            continue;
+        };
+        let wanted = wanted_color(colors, sample);
+        let shown = &picture[index * 4..index * 4 + 3];
+        let is_close = |(wanted, shown): (f32, &u8)| (wanted * 255.0 - f32::from(*shown)).abs() <= 6.0;
+        compared += 1;
+        different += usize::from(
+            ![wanted.red, wanted.green, wanted.blue]
+                .into_iter()
+                .zip(shown)
+                .all(is_close),
+        );
+        all_shown.insert(shown.to_vec());
+    }
+    Comparison {
+        different: different as f64 / compared as f64,
+        compared,
+        shown: all_shown,
+    }
+}
+
+/// One comparison for each of [`COLORS`].
+fn comparisons(technique: &str) -> [Comparison; 4] {
     let mut harness = Harness::new(SIZE, eye());
     let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
     let plane = harness.mesh(Plane3d::default().mesh().size(120.0, 120.0));
@@ -46,14 +101,16 @@ fn compare(technique: &str) -> (f64, usize, usize) {
     let camera = harness.camera;
     let maps = LightMaps::of(harness.app.world(), light, camera);
     assert!(!maps.maps.is_empty(), "{technique} has maps");
-    harness.app.world_mut().entity_mut(camera).insert(TexelHeatMap {
-        light_maps: maps.clone(),
-        direction_to_light: -LIGHT.normalize(),
-        colors: HeatColors::TexelRatio,
-        opacity: 1.0,
+    let pictures = COLORS.map(|colors| {
+        harness.app.world_mut().entity_mut(camera).insert(TexelHeatMap {
+            light_maps: maps.clone(),
+            direction_to_light: -LIGHT.normalize(),
+            colors,
+            opacity: 1.0,
+        });
+        harness.frames(3);
+        capture::read_image(&harness.app, &harness.target).expect("the picture can be read")
     });
-    harness.frames(3);
-    let picture = capture::read_image(&harness.app, &harness.target).expect("the picture can be read");
     let depth = harness
         .app
         .world()
@@ -65,44 +122,40 @@ fn compare(technique: &str) -> (f64, usize, usize) {
     let truth = truth_scene(harness.app.world_mut(), Some(camera)).expect("meshes are in main memory");
     let rays = PixelRays::of_camera(SIZE, &eye(), std::f64::consts::FRAC_PI_4);
     let traced = pixels::trace(&truth, &rays, &depth.to_f32(), 120.0, -LIGHT.as_dvec3(), |_| {});
-    let (mut compared, mut different, mut colors) = (0_usize, 0_usize, std::collections::HashSet::new());
-    for (index, sample) in samples(&maps, &rays, &traced).iter().enumerate() {
-        let Some(sample) = sample else {
-            continue;
-        };
-        let wanted = Srgba::from(heat_color(sample.mean_size as f32));
-        let shown = &picture.bytes[index * 4..index * 4 + 3];
-        let is_close = |(wanted, shown): (f32, &u8)| (wanted * 255.0 - f32::from(*shown)).abs() <= 6.0;
-        compared += 1;
-        different += usize::from(
-            ![wanted.red, wanted.green, wanted.blue]
-                .into_iter()
-                .zip(shown)
-                .all(is_close),
-        );
-        colors.insert(shown.to_vec());
-    }
-    (different as f64 / compared as f64, compared, colors.len())
+    let samples = samples(&maps, &rays, &traced);
+    std::array::from_fn(|index| compare(&pictures[index].bytes, &samples, COLORS[index]))
 }
 
 #[test]
 fn the_gpu_shows_what_the_cpu_computes() {
+    let mut shown = COLORS.map(|_| HashSet::new());
     for technique in [
         "zp4+lispsm:size=256",
         "lispsm:size=512,select=depth",
         "zp2+lispsm:path=dropin,size=256",
         "bevy",
     ] {
-        let (different, compared, colors) = compare(technique);
-        println!("{technique}: {different:.4} of {compared} differ; {colors} colors");
-        assert!(
-            compared > 3_000 && colors > 10,
-            "{technique}: {compared} pixels, {colors} colors"
-        );
-        // Beside the seams of maps one may take the other map.
-        assert!(
-            different < 0.01,
-            "{technique}: {different} of the pixels have another color"
-        );
+        for ((colors, found), shown) in COLORS.iter().zip(comparisons(technique)).zip(&mut shown) {
+            let Comparison {
+                different, compared, ..
+            } = found;
+            let count = found.shown.len();
+            println!("{technique}, {colors:?}: {different:.4} of {compared} differ; {count} colors");
+            assert!(compared > 3_000, "{technique}, {colors:?}: {compared} pixels");
+            // The scale of texels per pixel ends at 10.
+            assert!(
+                count > 10 || *colors != HeatColors::TexelRatio,
+                "{technique}: {count} colors"
+            );
+            // Beside the seams of maps one may take the other map.
+            assert!(
+                different < 0.01,
+                "{technique}, {colors:?}: {different} of the pixels have another color"
+            );
+            shown.extend(found.shown);
+        }
+    }
+    for (colors, shown) in COLORS.iter().zip(shown) {
+        assert!(shown.len() > 100, "{colors:?}: {} colors in all", shown.len());
     }
 }

@@ -202,7 +202,7 @@ fn view(rays: &PixelRays, shot: &Shot) -> Option<ViewVolume> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::reference::pixels::SurfacePoint;
+    use crate::{maths::sampling_rate::TexelsPerPixel, render::reference::pixels::SurfacePoint};
 
     fn truth(kinds: &[PixelTruth], depths: &[f64]) -> ShotTruth {
         let points = depths.iter().map(|view_depth| {
@@ -256,6 +256,11 @@ mod tests {
                 largest,
                 perspective: 0.1,
                 projection: 1.0,
+                texels_per_pixel: TexelsPerPixel {
+                    area: 100.0,
+                    across: 10.0,
+                    along: 10.0,
+                },
             })
         };
         let mut samples = vec![sample(0.25); 12];

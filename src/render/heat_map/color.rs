@@ -1,6 +1,9 @@
-//! The color of a ratio: the CPU twin of `heat_color` in `shaders/heat_map/texel_ratio.wgsl`.
+//! The color of a ratio: the CPU twin of `heat_color` in `shaders/heat_map/texel_ratio.wgsl`, and the color of a sampling rate
+//! ([`maths::sampling_rate`](crate::maths::sampling_rate)) as it is drawn.
 
 use bevy::prelude::*;
+
+use crate::maths::sampling_rate::rate_color;
 
 /// Colors of 1/8, 1/4, 1/2, 1, 2, 4 and 8: blue is finer than the picture, green as fine, red coarser.
 pub const STOPS: [LinearRgba; 7] = [
@@ -18,6 +21,12 @@ pub fn heat_color(ratio: f32) -> LinearRgba {
     let place = (ratio.log2() + 3.0).max(0.0).min(5.9999);
     let stop = place as usize;
     STOPS[stop].mix(&STOPS[stop + 1], place.fract())
+}
+
+/// The color of texels per pixel that `shaders/heat_map/sampling_rate.wgsl` draws.
+pub fn sampling_color(texels_per_pixel: f32) -> LinearRgba {
+    let color = rate_color(texels_per_pixel);
+    Srgba::rgb(color.x, color.y, color.z).into()
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! [`TexelHeatMap`]: texel ÷ pixel of a technique in color over a camera's picture, live.
 //!
 //! A full-screen pass at the end of post-processing takes position and plane from the prepass, finds the map in which the
-//! shadow is looked up, and compares both footprints on the receiver; or it shows which map that is.
+//! shadow is looked up, and compares both footprints on the receiver: as one ratio of lengths, or as texels per pixel in the
+//! measures and colors of Stingl 2011; or it shows which map that is.
 
 pub mod color;
 
@@ -28,6 +29,7 @@ use bevy::{
         texture::FallbackImage,
         view::{ViewTarget, ViewUniform, ViewUniformOffset, ViewUniforms},
     },
+    shader::ShaderDefVal,
 };
 
 use super::{
@@ -35,6 +37,7 @@ use super::{
     light_maps::{LightMap, LightMaps, Selection},
     shaders,
 };
+use crate::maths::sampling_rate::RateMeasure;
 
 /// What the colors say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -42,6 +45,9 @@ pub enum HeatColors {
     /// Texel ÷ pixel (root of the ratio of areas): blue 1/8 and less, green 1, yellow 2, red 8 and more.
     #[default]
     TexelRatio,
+    /// Texels per pixel, by area or along an axis of the map: dark red 0, yellow 1/3.25, green 1, light blue 3.25, dark blue 10
+    /// and more ([`rate_color`](crate::maths::sampling_rate::rate_color)). Large is fine, other than in [`Self::TexelRatio`].
+    SamplingRate(RateMeasure),
     /// The map that is read: red, yellow, green, blue and again, in the order of the maps.
     Maps,
 }
@@ -122,6 +128,7 @@ struct HeatMapPipeline {
     layout: BindGroupLayoutDescriptor,
     fullscreen: FullscreenShader,
     texel_ratio: Handle<Shader>,
+    sampling_rate: Handle<Shader>,
     map_colors: Handle<Shader>,
 }
 
@@ -148,6 +155,7 @@ fn init_pipeline(mut commands: Commands, fullscreen: Res<FullscreenShader>, serv
         ),
         fullscreen: fullscreen.clone(),
         texel_ratio: shaders::load(&server, "heat_map/texel_ratio.wgsl"),
+        sampling_rate: shaders::load(&server, "heat_map/sampling_rate.wgsl"),
         map_colors: shaders::load(&server, "heat_map/map_colors.wgsl"),
     });
 }
@@ -158,7 +166,13 @@ impl SpecializedRenderPipeline for HeatMapPipeline {
     fn specialize(&self, (format, colors): Self::Key) -> RenderPipelineDescriptor {
         let shader = match colors {
             HeatColors::TexelRatio => &self.texel_ratio,
+            HeatColors::SamplingRate(_) => &self.sampling_rate,
             HeatColors::Maps => &self.map_colors,
+        };
+        let definition = match colors {
+            HeatColors::SamplingRate(RateMeasure::Across) => Some("UMBRAGE_RATE_ACROSS"),
+            HeatColors::SamplingRate(RateMeasure::Along) => Some("UMBRAGE_RATE_ALONG"),
+            HeatColors::SamplingRate(RateMeasure::Area) | HeatColors::TexelRatio | HeatColors::Maps => None,
         };
         RenderPipelineDescriptor {
             label: Some("umbrage_heat_map".into()),
@@ -166,6 +180,7 @@ impl SpecializedRenderPipeline for HeatMapPipeline {
             vertex: self.fullscreen.to_vertex_state(),
             fragment: Some(FragmentState {
                 shader: shader.clone(),
+                shader_defs: definition.map(ShaderDefVal::from).into_iter().collect(),
                 targets: vec![Some(ColorTargetState {
                     format,
                     blend: Some(BlendState::ALPHA_BLENDING),

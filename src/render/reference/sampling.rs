@@ -16,11 +16,14 @@ use serde::{Deserialize, Serialize};
 
 use super::pixels::{PixelRays, SurfacePoint, Traced, rows};
 use crate::{
-    maths::footprint::{Footprint, texel_footprint, texels_on_pixels},
+    maths::{
+        footprint::{Footprint, texel_footprint, texels_on_pixels},
+        sampling_rate::TexelsPerPixel,
+    },
     render::light_maps::LightMaps,
 };
 
-/// Texel ÷ pixel at one pixel, in the map in which its shadow is looked up. All are ratios of lengths.
+/// Texel ÷ pixel at one pixel, in the map in which its shadow is looked up. All but `texels_per_pixel` are ratios of lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Index of the map.
@@ -33,6 +36,8 @@ pub struct Sample {
     pub perspective: f64,
     /// The part that the surface's orientation causes.
     pub projection: f64,
+    /// The other way round, and along the axes of the map.
+    pub texels_per_pixel: TexelsPerPixel,
 }
 
 /// One per pixel; `None` where the pixel does not count or has no map.
@@ -61,6 +66,7 @@ fn sample(maps: &LightMaps, camera: &Camera, point: &SurfacePoint) -> Option<Sam
         largest: ratio.largest,
         perspective: ratio.perspective.sqrt(),
         projection: ratio.projection.sqrt(),
+        texels_per_pixel: ratio.per_pixel(),
     })
 }
 
@@ -120,9 +126,12 @@ mod tests {
     use bevy::math::{DVec2, DVec3};
 
     use super::*;
-    use crate::render::{
-        light_maps::{LightMap, Selection},
-        reference::pixels::PixelTruth,
+    use crate::{
+        maths::sampling_rate::RateMeasure,
+        render::{
+            light_maps::{LightMap, Selection},
+            reference::pixels::PixelTruth,
+        },
     };
 
     /// A camera 10 m above the ground that looks straight down: a pixel covers 0.1 m × 0.1 m.
@@ -191,6 +200,10 @@ mod tests {
         assert!((found.mean_size - 4.0).abs() < 1.0e-9, "{found:?}");
         assert!((found.largest - 8.0).abs() < 1.0e-9, "{found:?}");
         assert!((found.perspective - 4.0).abs() < 1.0e-9 && (found.projection - 1.0).abs() < 1.0e-9);
+        let per_pixel = RateMeasure::ALL.map(|measure| found.texels_per_pixel.get(measure));
+        for (found, wanted) in per_pixel.into_iter().zip([1.0 / 16.0, 1.0 / 8.0, 1.0 / 2.0]) {
+            assert!((found - wanted).abs() < 1.0e-9, "{per_pixel:?}");
+        }
         let slope = ground(DVec3::new(1.0, 1.0, 0.0));
         let found = sample(&map(40.0, 10.0, 50), &Camera::new(&from_above()), &slope).expect("a texel");
         assert!(
