@@ -195,15 +195,15 @@ mod tests {
     #[test]
     fn steps_add_up_and_jumps_are_noticed() {
         let mut eyes = LodEyes::default();
-        eyes.update(vec![eye(1, 0.0, 1.0)], 10.0);
+        eyes.update(vec![eye(1, 1.0, 1.0)], 10.0);
         assert!(eyes.has_jumped && eyes.are_new, "the first eye");
-        eyes.update(vec![eye(1, 2.0, 1.0)], 10.0);
+        eyes.update(vec![eye(1, 3.0, 1.0)], 10.0);
         assert!(!eyes.has_jumped && !eyes.are_new, "a step");
         assert_eq!(eyes.travelled, 2.0);
-        eyes.update(vec![eye(1, 2.0, 2.0)], 10.0);
+        eyes.update(vec![eye(1, 3.0, 2.0)], 10.0);
         assert!(!eyes.has_jumped && eyes.are_new, "another lens");
         eyes.update(vec![eye(1, 50.0, 2.0)], 10.0);
-        assert!(eyes.has_jumped, "48 m in a frame");
+        assert!(eyes.has_jumped, "47 m in a frame");
         eyes.update(vec![eye(1, 0.0, 2.0)], 100.0);
         assert!(!eyes.has_jumped && eyes.are_new, "back at its camera");
         eyes.update(vec![eye(1, 0.0, 2.0)], 100.0);

@@ -51,8 +51,8 @@ mod tests {
         shadow::{
             measured::{MeasureUse, MeasuredDepths},
             settings::{
-                Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams, ShadowBias,
-                ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, WarpDirection,
+                CasterPasses, Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams,
+                ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, WarpDirection,
             },
             stable::Stability,
             technique::StockBias,
@@ -151,7 +151,7 @@ mod tests {
                 any_seams(),
             ),
             [distance, near] in [prop::option::of(0.001f32..1e6), prop::option::of(0.001f32..1e6)],
-            (fallback_map, far, near_is_measured, splits, is_same) in any::<(bool, bool, bool, bool, bool)>(),
+            (fallback_map, is_each, far, near_is_measured, splits, is_same) in any::<(bool, bool, bool, bool, bool, bool)>(),
             (count, stable) in (
                 Just(count),
                 prop_oneof![
@@ -186,8 +186,9 @@ mod tests {
             // `near=` says one or the other.
             let near = near.filter(|_| !measured.near);
             let partitions = Partitions { count, scheme, faces, etas, resolution };
+            let caster_passes = if is_each { CasterPasses::PerMap } else { CasterPasses::Shared };
             let full = SunShadows {
-                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, store, blur, distance, near, measured, stable, fallback_map,
+                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, caster_passes, store, blur, distance, near, measured, stable, fallback_map,
             };
             match path {
                 ShadowPath::Full => full,
@@ -205,6 +206,7 @@ mod tests {
                     selection: SunShadows::HIGH.selection,
                     filter: SunShadows::HIGH.filter,
                     bias: if full.bias.is_for_drop_in() { full.bias } else { SunShadows::HIGH.bias },
+                    caster_passes: SunShadows::HIGH.caster_passes,
                     store: SunShadows::HIGH.store,
                     blur: SunShadows::HIGH.blur,
                     fallback_map: SunShadows::HIGH.fallback_map,
