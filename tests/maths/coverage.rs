@@ -10,6 +10,9 @@ const COVERAGE: &str = include_str!("../../src/maths/COVERAGE.md");
 /// Papers whose features are numbered, and how many they have.
 const PAPERS: [(&str, usize); 3] = [("## Stingl 2011", 91), ("## Lloyd, Tuft", 42), ("## Scherzer 2005", 31)];
 
+/// The oracles of Chong 2003.
+const ORACLES: &str = "## Oracles of light planes";
+
 /// Rows that may stay visualisations of another issue.
 const VISUALISATIONS: std::ops::RangeInclusive<usize> = 67..=91;
 
@@ -59,7 +62,9 @@ fn numbered_rows() -> impl Iterator<Item = Row> {
 }
 
 fn all_rows() -> impl Iterator<Item = Row> {
-    numbered_rows().chain(rows("## Beyond these three"))
+    numbered_rows()
+        .chain(rows("## Beyond these three"))
+        .chain(rows(ORACLES))
 }
 
 /// What stands between backticks.
@@ -103,6 +108,38 @@ fn every_feature_has_one_row() {
         let expected: Vec<String> = (1..=count).map(|number| number.to_string()).collect();
         assert_eq!(numbers, expected, "{heading}");
     }
+}
+
+#[test]
+fn every_oracle_of_light_planes_has_one_row() {
+    let numbers: Vec<String> = rows(ORACLES).into_iter().map(|row| row.number).collect();
+    let expected: Vec<String> = (1..=23).map(|number| format!("O{number}")).collect();
+    assert_eq!(numbers, expected);
+}
+
+/// Tests of light planes are named without their folder, several as `file::{a, b}`: every word with underscores in the last
+/// column is a test or a file of tests.
+#[test]
+fn tests_of_light_planes_exist() {
+    let text = text_of(&["src", "tests"], &["rs"]);
+    let mut names = 0;
+    for heading in ["## Light planes in flatland", "## Light planes in space"] {
+        for row in rows(heading) {
+            let words = row
+                .tests
+                .split(|character: char| !(character.is_alphanumeric() || "_*.".contains(character)));
+            for word in words.filter(|word| word.contains('_') && !word.contains(['*', '.'])) {
+                let exists = ["fn", "mod"].into_iter().any(|kind| {
+                    [format!("{kind} {word}("), format!("{kind} {word};")]
+                        .iter()
+                        .any(|declared| text.contains(declared))
+                });
+                assert!(exists, "{heading} {}: no test {word}", row.number);
+                names += 1;
+            }
+        }
+    }
+    assert!(names > 80, "{names} tests are named");
 }
 
 #[test]

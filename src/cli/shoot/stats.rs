@@ -284,7 +284,12 @@ pub(in crate::cli) fn maps_of(app: &App, sun: Entity, camera: Entity, technique:
             if let Some(report) = virtual_map::report_of(app, camera) {
                 return virtual_map::maps_of(&report, fallback_size);
             }
-            let count = settings.partitions.maps();
+            let count = match &settings.light_planes {
+                // All films lie in one square.
+                Some(_) if settings.path == ShadowPath::Full => 1,
+                Some(planes) => planes.frusta,
+                None => settings.partitions.maps(),
+            };
             let maps = match settings.partitions.resolution {
                 MapResolution::Equal => Maps::new(count, settings.map_size, fallback_size),
                 // All cells of the grid, whoever uses them.

@@ -15,12 +15,12 @@ use crate::{
 
 pub(super) const TOPIC: Topic = Topic {
     keys: &[
-        Key::new("frusta", "films, 1..=8"),
+        Key::new("frusta", "films, 1..=8; at most 4 with path=dropin"),
         Key::new("metric", "area|stretch, or l1|l2 for the same"),
         Key::new("film", "parallelogram|rectangle"),
         Key::full("divide", "depth|tiles, for frusta=2 and more"),
-        Key::full("cover", "seen|body"),
-        Key::new("damping", "seconds 0..=10"),
+        Key::full("cover", "seen|body: what was seen, or all that may be seen"),
+        Key::new("damping", "seconds 0..=10 in which films follow what is seen"),
     ],
     read,
     changes,

@@ -58,6 +58,8 @@ fn turning_has_the_published_values() {
         near(tilt.place(place), turned, 1.0e-6);
     }
     near(tilt.stretch(1.0) * tilt.stretch(-1.0), 1.0, 1.0e-12);
+    // O3: and back.
+    near(hull.turn_of_tilt(tilt), 15.0_f64.to_radians(), 1.0e-12);
 }
 
 /// The thesis's derivative of turned places (section 3.1) and its chain of matrices, against the tilt.

@@ -244,6 +244,25 @@ fn films_stand_still() {
     }
 }
 
+/// Films are those of what is asked for now, whatever was asked for before: no trace of it stays within the tolerance.
+#[test]
+fn films_with_other_choices_are_forgotten() {
+    let seen = Seen::of_two_planes();
+    let wanted = options(1, FilmDivision::Depth, FilmCover::Seen);
+    let fresh = seen.plan(&wanted);
+    let mut stretched = wanted;
+    stretched.objective.metric = FilmMetric::Stretch;
+    let mut differ = 0;
+    for other in [options(1, FilmDivision::Depth, FilmCover::Body), stretched] {
+        let before = seen.plan(&other);
+        let after = seen.plan_from(&wanted, &before.memory).expect("films");
+        assert_eq!(after.partition, fresh.partition, "{other:?}");
+        close(after.damping_cost, 0.0, 1.0e-12);
+        differ += usize::from(before.partition != fresh.partition);
+    }
+    assert_eq!(differ, 2, "there was something to forget");
+}
+
 /// Films follow a camera that turns: their cost stays small, and they arrive when it stops.
 #[test]
 fn films_follow() {

@@ -1,8 +1,12 @@
 //! What holds exactly: Theorem 1, Proposition 3, directional lights, slopes of depth (oracles O13, O19, O22).
 
 use bevy_math::{DMat2, DVec2, DVec3, UVec2, Vec3Swizzles, Vec4Swizzles};
-use umbrage::maths::light_plane::space::{
-    FilmMetric, FilmObjective, FilmProblem, FilmSample, depth_form, plane_form, point_light_clip_from_world,
+use umbrage::maths::{
+    light_plane::space::{
+        FilmFitInput, FilmMetric, FilmObjective, FilmProblem, FilmSample, depth_form, fit_film, plane_form,
+        point_light_clip_from_world,
+    },
+    polytope::Polytope,
 };
 
 use super::scene::{
@@ -253,6 +257,55 @@ fn slopes_of_depth_are_constant() {
         .is_none(),
         "no range"
     );
+}
+
+/// The same for the sun, through the matrix that is drawn with: reverse z, casters between light and receivers included.
+#[test]
+fn slopes_of_depth_are_constant_in_the_sun() {
+    let camera = camera_two(UVec2::new(72, 48));
+    let pieces = scene_two();
+    let travel = DVec3::new(0.5, -1.0, -0.3);
+    let lit = sunlit(&camera, &pieces, travel);
+    let bin = lit.bin();
+    let problem = bin.problem(FilmObjective::default()).expect("samples");
+    let best = problem.solve(&[]).expect("samples");
+    let corners: Vec<DVec3> = lit.points.iter().map(|(point, _)| *point).step_by(67).collect();
+    let visible = Polytope::hull(&corners[..corners.len().min(40)]);
+    let body = visible.sweep(-travel.normalize(), 3.0);
+    for bend in [DVec2::ZERO, best.bend * 0.5, best.bend] {
+        let film = problem.film_at(bend).expect("valid");
+        let fit = fit_film(&FilmFitInput {
+            view: &camera.view,
+            visible: &visible,
+            body: &body,
+            base: &lit.base,
+            film: &film,
+            hull: problem.hull(),
+            map_size: UVec2::splat(128),
+            guard_texels: 0.0,
+        });
+        let clip_from_world = fit.expect("a proper film").clip_from_world;
+        for (index, piece) in pieces.iter().enumerate() {
+            let in_clip = clip_from_world.inverse().transpose() * plane_form(piece.point, piece.normal);
+            let slopes = -in_clip.xy() / in_clip.z;
+            let on_piece = lit.points.iter().filter(|(_, of)| *of == index);
+            let ndc: Vec<DVec3> = on_piece
+                .map(|(point, _)| clip_from_world.project_point3(*point))
+                .collect();
+            for place in &ndc {
+                let expected = ndc[0].z + slopes.dot(place.xy() - ndc[0].xy());
+                assert!((place.z - expected).abs() < 1.0e-9, "{bend}: {place} {expected}");
+            }
+        }
+        for (point, _) in lit.points.iter().step_by(97) {
+            let nearer = clip_from_world.project_point3(*point - travel);
+            let ndc = clip_from_world.project_point3(*point);
+            assert!(
+                nearer.z > ndc.z && nearer.xy().distance(ndc.xy()) < 1.0e-9,
+                "{nearer} {ndc}"
+            );
+        }
+    }
 }
 
 /// A camera that is not level changes nothing: fewer assumptions than flatland.

@@ -72,9 +72,11 @@ pub struct FilmPlanInput<'a> {
     pub seconds: f64,
 }
 
-/// What is kept from picture to picture.
+/// What is kept from picture to picture, while the same is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FilmMemory {
+    /// What was asked for.
+    options: Option<FilmPlanOptions>,
     /// w of every film as a form of world-space points ([`BaseFilm::width_form`]).
     widths: Vec<DVec4>,
     /// The parts of the films: rectangles of tiles, or runs of slices as rectangles of one row.
@@ -110,7 +112,8 @@ const DEPTH_SLACK: f64 = 1.0e-5;
 /// Films for a camera and its sun, from what the camera has seen.
 ///
 /// The sums over samples only steer: what is covered follows from [`FilmCover`] and holds whatever the samples say. The
-/// division stays as it was while its error is within the damping's tolerance, so that films do not change places.
+/// division stays as it was while its error is within the damping's tolerance, so that films do not change places. Nothing
+/// stays of films with other options.
 ///
 /// # Errors
 /// Nothing seen in the view volume, no area, or numbers that are not finite: a uniform map must do.
@@ -122,6 +125,12 @@ pub fn plan_films(input: &FilmPlanInput) -> Result<FilmPlan, FilmError> {
         cover,
         damping,
     } = *input.options;
+    let nothing = FilmMemory::default();
+    let last = if input.last.options.as_ref() == Some(input.options) {
+        input.last
+    } else {
+        &nothing
+    };
     let view = input.view;
     let axes = LightAxes::new(view.forward(), view.up(), input.light_travel).ok_or(FilmError::NotFinite)?;
     let visible = light_visible(view, input.receivers);
@@ -150,7 +159,7 @@ pub fn plan_films(input: &FilmPlanInput) -> Result<FilmPlan, FilmError> {
     let whole_depths = whole.depths;
     let unbent = problem.film_at(DVec2::ZERO).ok_or(FilmError::NoArea)?;
     let known = |parts: &[TileRect], need: &mut dyn FnMut(&TileRect) -> f64| {
-        let last = &input.last.parts;
+        let last = &last.parts;
         let total = |parts: &[TileRect], need: &mut dyn FnMut(&TileRect) -> f64| parts.iter().map(need).sum::<f64>();
         let is_kept = !last.is_empty()
             && last.len() <= limits.frusta
@@ -167,7 +176,7 @@ pub fn plan_films(input: &FilmPlanInput) -> Result<FilmPlan, FilmError> {
             tiles.dilate(margin);
             let mut rects = tiles.cut_rects(&limits, objective)?;
             sort_rects(&mut rects);
-            let holds_all = tiles.are_all_in(&input.last.parts);
+            let holds_all = tiles.are_all_in(&last.parts);
             let rects = if holds_all {
                 known(&rects, &mut |rect| tiles.gathered(*rect).need(objective))
             } else {
@@ -213,18 +222,19 @@ pub fn plan_films(input: &FilmPlanInput) -> Result<FilmPlan, FilmError> {
         },
         gain: 1.0,
         memory: FilmMemory {
+            options: Some(*input.options),
             widths: Vec::new(),
             parts,
         },
     };
-    let has_memory = input.last.widths.len() == bins.len();
+    let has_memory = last.widths.len() == bins.len();
     let mut optimal_need = 0.0;
     let mut refusal = FilmError::NothingVisible;
     for (index, bin) in bins.iter_mut().enumerate() {
         if let Ok(outer) = &outer {
             bin.clip(outer);
         }
-        let last = has_memory.then(|| input.last.widths[index]);
+        let last = has_memory.then(|| last.widths[index]);
         let solved = bin.problem(objective).and_then(|problem| {
             let proposals: Vec<DVec2> = last.and_then(|form| base.bend_of(form)).into_iter().collect();
             let optimum = problem.solve(&proposals)?;
