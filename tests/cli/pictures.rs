@@ -272,3 +272,27 @@ fn the_three_by_three_comparison_shows_what_biases_do() {
     // Maps of back faces shade no lit surface, with any bias.
     assert!(dark[6] < dark[0] && dark[3] < 2 * dark[0], "{dark:?}");
 }
+
+/// What light planes gain, and what damping costs, is in the numbers of a take.
+#[test]
+fn films_are_counted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "shoot room/two_planes --size 64x36 --passes mask";
+    shoot(
+        folder.path(),
+        &format!("{scene} --technique optimal:size=256,frusta=2 --technique lispsm:size=256"),
+    );
+    let stats = fs::read(folder.path().join("out/stats.json")).expect("there");
+    let stats: Value = serde_json::from_slice(&stats).expect("JSON");
+    let films = &stats["takes"][0]["films"];
+    assert_eq!(films["count"].as_u64(), Some(2), "{films}");
+    let number = |name: &str| films[name].as_f64().expect("a number");
+    assert!(number("gain") > 1.0 && number("mean_error") > 0.0, "{films}");
+    assert!((0.0..=5.0).contains(&number("damping_cost_percent")), "{films}");
+    let lispsm = stats["takes"].as_array().expect("takes").last().expect("a take");
+    assert!(lispsm["films"].is_null(), "{lispsm}");
+    // All films lie in one square.
+    let maps = &stats["takes"][0]["maps"];
+    let side = |name: &str| maps[name].as_u64().expect("texels");
+    assert_eq!(side("texels"), 256 * 256 + side("fallback_size").pow(2), "{maps}");
+}

@@ -1,5 +1,6 @@
 //! `umbrage shoot`: pictures of scenes without a window.
 
+pub(super) mod films;
 mod sheet;
 pub(super) mod stage;
 pub(super) mod stats;
@@ -258,6 +259,7 @@ impl Session<'_> {
             maps: stats::maps_of(app, sun, stage.camera(), &technique.technique),
             light_views: stats::views_of(app, sun, stage.camera(), &technique.technique),
             virtual_map: virtual_map::stats_of(app, stage.camera()),
+            films: films::stats_of(app, sun, stage.camera()),
         };
         let mut texels: Vec<_> = shaded.into_iter().zip(settled.texels).collect();
         if let Some(judge) = &mut self.judge {

@@ -13,7 +13,10 @@ use bevy::{
 use serde::Serialize;
 use wgpu::DeviceType;
 
-use super::virtual_map::{self, VirtualMapStats};
+use super::{
+    films::FilmStats,
+    virtual_map::{self, VirtualMapStats},
+};
 
 use crate::{
     level::shot::Shot,
@@ -96,6 +99,9 @@ pub(in crate::cli) struct Take {
     /// The tiles of a virtual map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(in crate::cli) virtual_map: Option<VirtualMapStats>,
+    /// The films of light planes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(in crate::cli) films: Option<FilmStats>,
 }
 
 /// Times of whole frames.
