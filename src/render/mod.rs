@@ -44,6 +44,7 @@ pub mod history;
 pub mod light_maps;
 pub mod light_plane;
 pub mod mask;
+mod overlay_pass;
 mod read_back;
 #[cfg(feature = "demo")]
 pub mod reference;

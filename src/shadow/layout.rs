@@ -57,7 +57,7 @@ impl AtlasLayout {
     /// where the atlas has no room for maps of the smallest side.
     ///
     /// `needs`: the largest errors by slot, zero for slots without a map, which keep a place of the smallest side: a map
-    /// that comes or goes thin moves no other (Lloyd, section 5.1.2). `slots`: those with a map, in the order of the
+    /// that comes or goes thin moves no other (Lloyd, section 5.2). `slots`: those with a map, in the order of the
     /// rectangles.
     #[must_use]
     pub fn balanced(needs: Vec<LargestErrors>, slots: &[u32], side: u32, previous: Option<&Self>) -> Option<Self> {
@@ -188,7 +188,7 @@ mod tests {
         AtlasLayout::balanced(needs, &slots, 1024, previous).expect("room")
     }
 
-    /// Lloyd, section 5.1.2: a face that comes into the light comes thin.
+    /// Lloyd, section 5.2: a face that comes into the light comes thin.
     #[test]
     fn maps_that_come_and_go_thin_move_no_other() {
         let of = |last: LargestErrors| vec![need(10.0, 10.0), need(3.0, 5.0), need(3.0, 5.0), last];

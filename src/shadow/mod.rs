@@ -14,6 +14,7 @@ use bevy::{
 
 pub mod checked;
 pub mod compute;
+pub mod correction;
 pub mod drop_in;
 pub mod fitted;
 pub mod full;

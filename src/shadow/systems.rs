@@ -7,8 +7,9 @@ use bevy::{
 };
 
 use super::{
-    checked::{Correction, checked, warn_of},
+    checked::checked,
     compute::{Memory, compute_camera_views, partition_depths, split_range, visible_depths},
+    correction::{Correction, warn_of},
     drop_in, full,
     light_plane::{LightPlaneInput, LightPlaneStates, SeenSurfaces, clip_from_world, film_views},
     measured::{DepthPlan, KnownDepths, MeasuredView, VisibleDepthRange, known_depths},

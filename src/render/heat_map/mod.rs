@@ -19,10 +19,9 @@ use bevy::{
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendState, CachedRenderPipelineId,
-            ColorTargetState, ColorWrites, FragmentState, PipelineCache, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline, SpecializedRenderPipelines,
-            TextureFormat, TextureSampleType, UniformBuffer,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId, PipelineCache,
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
+            SpecializedRenderPipelines, TextureFormat, TextureSampleType, UniformBuffer,
             binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
@@ -35,6 +34,7 @@ use bevy::{
 use super::{
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
     light_maps::{LightMap, LightMaps, Selection},
+    overlay_pass::overlay_pipeline,
     shaders,
 };
 use crate::maths::sampling_rate::RateMeasure;
@@ -174,22 +174,13 @@ impl SpecializedRenderPipeline for HeatMapPipeline {
             HeatColors::SamplingRate(RateMeasure::Along) => Some("UMBRAGE_RATE_ALONG"),
             HeatColors::SamplingRate(RateMeasure::Area) | HeatColors::TexelRatio | HeatColors::Maps => None,
         };
-        RenderPipelineDescriptor {
-            label: Some("umbrage_heat_map".into()),
-            layout: vec![self.layout.clone()],
-            vertex: self.fullscreen.to_vertex_state(),
-            fragment: Some(FragmentState {
-                shader: shader.clone(),
-                shader_defs: definition.map(ShaderDefVal::from).into_iter().collect(),
-                targets: vec![Some(ColorTargetState {
-                    format,
-                    blend: Some(BlendState::ALPHA_BLENDING),
-                    write_mask: ColorWrites::COLOR,
-                })],
-                ..default()
-            }),
-            ..default()
-        }
+        overlay_pipeline(
+            "umbrage_heat_map",
+            &self.layout,
+            &self.fullscreen,
+            (shader, definition.map(ShaderDefVal::from).into_iter().collect()),
+            format,
+        )
     }
 }
 

@@ -13,10 +13,9 @@ use bevy::{
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendState, CachedRenderPipelineId,
-            ColorTargetState, ColorWrites, FragmentState, PipelineCache, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline, SpecializedRenderPipelines,
-            TextureFormat, TextureSampleType,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId, PipelineCache,
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
+            SpecializedRenderPipelines, TextureFormat, TextureSampleType,
             binding_types::{storage_buffer_read_only_sized, texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, ViewQuery},
@@ -32,6 +31,7 @@ use crate::render::{
     caster::pass::storage_buffer,
     gpu_types::{ApplyParameters, GpuTileMark},
     heat_map::color::STOPS,
+    overlay_pass::overlay_pipeline,
     shaders,
 };
 
@@ -113,21 +113,13 @@ impl SpecializedRenderPipeline for OverlayPipeline {
     type Key = TextureFormat;
 
     fn specialize(&self, format: TextureFormat) -> RenderPipelineDescriptor {
-        RenderPipelineDescriptor {
-            label: Some("umbrage_show_tiles".into()),
-            layout: vec![self.layout.clone()],
-            vertex: self.fullscreen.to_vertex_state(),
-            fragment: Some(FragmentState {
-                shader: self.shader.clone(),
-                targets: vec![Some(ColorTargetState {
-                    format,
-                    blend: Some(BlendState::ALPHA_BLENDING),
-                    write_mask: ColorWrites::COLOR,
-                })],
-                ..default()
-            }),
-            ..default()
-        }
+        overlay_pipeline(
+            "umbrage_show_tiles",
+            &self.layout,
+            &self.fullscreen,
+            (&self.shader, Vec::new()),
+            format,
+        )
     }
 }
 

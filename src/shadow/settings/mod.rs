@@ -71,7 +71,7 @@ pub struct SunShadows {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 pub enum CasterPasses {
     /// One culling dispatch over casters × maps, then one render pass draws all maps from one set of instances (the
-    /// geometry cloning of Lloyd et al. 2006, section 6.1, without a geometry shader). The default.
+    /// geometry cloning of Stingl 2011, section 3.3.6, without a geometry shader). The default.
     #[default]
     Shared,
     /// A culling dispatch and a render pass per map, as renderers without cloning do: for comparison.

@@ -13,10 +13,9 @@ use bevy::{
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendState, CachedRenderPipelineId,
-            ColorTargetState, ColorWrites, FragmentState, PipelineCache, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline, SpecializedRenderPipelines,
-            StorageBuffer, TextureFormat,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId, PipelineCache,
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
+            SpecializedRenderPipelines, StorageBuffer, TextureFormat,
             binding_types::{storage_buffer_read_only_sized, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
@@ -27,7 +26,7 @@ use bevy::{
 use super::{measure::NeedBuffers, plan::FittedFrame};
 use crate::{
     maths::virtual_map::fitted::FittedTile,
-    render::{gpu_types::GpuNeedOverlay, shaders},
+    render::{gpu_types::GpuNeedOverlay, overlay_pass::overlay_pipeline, shaders},
 };
 
 /// On a camera whose sun has a fitted map: the need of every pixel in color, blue for 256 texels across the whole map, green
@@ -89,21 +88,13 @@ impl SpecializedRenderPipeline for OverlayPipeline {
     type Key = TextureFormat;
 
     fn specialize(&self, format: TextureFormat) -> RenderPipelineDescriptor {
-        RenderPipelineDescriptor {
-            label: Some("umbrage_show_needs".into()),
-            layout: vec![self.layout.clone()],
-            vertex: self.fullscreen.to_vertex_state(),
-            fragment: Some(FragmentState {
-                shader: self.shader.clone(),
-                targets: vec![Some(ColorTargetState {
-                    format,
-                    blend: Some(BlendState::ALPHA_BLENDING),
-                    write_mask: ColorWrites::COLOR,
-                })],
-                ..default()
-            }),
-            ..default()
-        }
+        overlay_pipeline(
+            "umbrage_show_needs",
+            &self.layout,
+            &self.fullscreen,
+            (&self.shader, Vec::new()),
+            format,
+        )
     }
 }
 
