@@ -62,14 +62,16 @@ fn first_view(surface: Surface, start: u32) -> Selected {
     return selected;
 }
 
-// The finest of all maps that hold the point, or of those that are coarser than a found one.
+// The finest of all maps that hold the point, or of those that are coarser than a found one: seams lead into no map that
+// only stands in.
 fn finest_view(surface: Surface, before: Selected) -> Selected {
     var finest: Selected;
     finest.density = 0.0;
     finest.is_found = false;
     for (var i = 0u; i < parameters.light_view_count; i += 1u) {
         let plane = plane_in_view(surface, i);
-        if !contains(plane, i) {
+        let is_refused = before.is_found && parameters.light_views[i].stands_in == 1u;
+        if is_refused || !contains(plane, i) {
             continue;
         }
         let size = parameters.light_views[i].atlas_rect.zw;

@@ -12,7 +12,8 @@ struct LightView {
     depth_range: vec2<f32>,
     // Length of view depth before the end over which the next map takes over, in metres; for SELECTION_DEPTH.
     seam_depth: f32,
-    padding: f32,
+    // 1: it serves only points that lie in no other map; no seam leads into it.
+    stands_in: u32,
 }
 
 // Everything that the apply pass reads besides textures.
@@ -279,7 +280,12 @@ struct SeenBlock {
     pixel: vec2<u32>,
     // Pixels that see a surface.
     pixel_count: u32,
-    padding: u32,
+    // NDC depth at the chosen pixel.
+    plane_ndc: f32,
+    // Change of NDC depth per pixel there, to the right and down.
+    slope: vec2<f32>,
+    // Least and greatest NDC depth of a pixel less that of the plane through the chosen one.
+    offsets: vec2<f32>,
 }
 
 // How a picture is divided into blocks.

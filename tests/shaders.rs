@@ -62,7 +62,7 @@ macro_rules! assert_layout {
 #[test]
 fn layouts_agree() {
     assert_layout!(GpuLightView, "LightView", {
-        clip_from_world, atlas_rect, depth_range, seam_depth, padding,
+        clip_from_world, atlas_rect, depth_range, seam_depth, stands_in,
     });
     assert_layout!(ApplyParameters, "ApplyParameters", {
         light_views, direction_to_light, light_view_count, shadow_distance, selection, filter_kind, bias_kind,
@@ -101,7 +101,7 @@ fn layouts_agree() {
     assert_layout!(GpuMappingTexel, "MappingTexel", { uv, reach, levels, padding });
     assert_layout!(GpuNeedOverlay, "NeedOverlay", { rectangle_count, cap, opacity, padding });
     assert_layout!(GpuSeenBlock, "SeenBlock", {
-        position, nearest_ndc, normal, farthest_ndc, pixel, pixel_count, padding,
+        position, nearest_ndc, normal, farthest_ndc, pixel, pixel_count, plane_ndc, slope, offsets,
     });
     assert_layout!(BlockGrid, "BlockGrid", { origin, picture_size, block_count, padding });
     assert_eq!(wgsl_structs().len(), 18, "a structure of types.wgsl has no twin here");

@@ -42,6 +42,8 @@ pub struct SelectableView {
     pub size: UVec2,
     /// Length of view depth before the end over which the next map takes over, in metres; for [`Selection::Depth`].
     pub seam_depth: f64,
+    /// It serves only points that lie in no other map: no seam leads into it. For [`Selection::Finest`].
+    pub stands_in: bool,
 }
 
 impl SelectableView {
@@ -136,12 +138,13 @@ pub fn select_view(
     selected
 }
 
-/// The finest map that contains a point, of all or of those that are coarser than another (of equally fine ones: behind it).
+/// The finest map that contains a point, of all or of those that are coarser than another (of equally fine ones: behind it)
+/// and do not only stand in.
 fn finest_view(views: &[SelectableView], point: DVec3, coarser_than: Option<usize>) -> Selected {
     let key = |index: usize| (views[index].density(point), std::cmp::Reverse(index));
     let finest = (0..views.len())
         .filter(|index| views[*index].contains(point))
-        .filter(|index| coarser_than.is_none_or(|other| key(*index) < key(other)))
+        .filter(|index| coarser_than.is_none_or(|other| key(*index) < key(other) && !views[*index].stands_in))
         .max_by(|a, b| key(*a).partial_cmp(&key(*b)).unwrap_or(std::cmp::Ordering::Equal));
     finest.map_or_else(Selected::default, |index| Selected { index, is_found: true })
 }

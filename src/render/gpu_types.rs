@@ -18,8 +18,8 @@ pub struct GpuLightView {
     pub depth_range: Vec2,
     /// Length of view depth before its end over which the next map takes over, metres.
     pub seam_depth: f32,
-    /// Unused.
-    pub padding: f32,
+    /// 1: it serves only points that lie in no other map; no seam leads into it.
+    pub stands_in: u32,
 }
 
 /// Everything that the apply pass reads besides textures.
@@ -314,8 +314,12 @@ pub struct GpuSeenBlock {
     pub pixel: UVec2,
     /// Pixels that see a surface.
     pub pixel_count: u32,
-    /// Unused.
-    pub padding: u32,
+    /// NDC depth at the chosen pixel.
+    pub plane_ndc: f32,
+    /// Change of NDC depth per pixel there, to the right and down.
+    pub slope: Vec2,
+    /// Least and greatest NDC depth of a pixel less that of the plane through the chosen one.
+    pub offsets: Vec2,
 }
 
 /// How a picture is divided into blocks.

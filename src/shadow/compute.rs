@@ -262,6 +262,7 @@ pub(super) fn light_view(fit: &LightFit, part: &Part, atlas_rect: UVec4) -> Ligh
         near_depth: part.depths[0] as f32,
         far_depth: part.depths[1] as f32,
         seam_depth: part.seam as f32,
+        stands_in: false,
         atlas_rect,
     }
 }
@@ -279,6 +280,7 @@ fn empty_light_view(part: &Part, atlas_rect: UVec4) -> LightView {
         near_depth: part.depths[0] as f32,
         far_depth: part.depths[1] as f32,
         seam_depth: 0.0,
+        stands_in: false,
         atlas_rect,
     }
 }

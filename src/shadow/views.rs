@@ -28,6 +28,8 @@ pub struct LightView {
     pub far_depth: f32,
     /// Length of view depth before the end of the interval over which the next map takes over, in metres; 0: none.
     pub seam_depth: f32,
+    /// It serves only points that lie in no other map: no seam leads into it.
+    pub stands_in: bool,
     /// The map in the atlas, in texels: x, y, width, height. On the drop-in path it is alone.
     pub atlas_rect: UVec4,
 }

@@ -169,7 +169,7 @@ proptest! {
         for vertex in of_slice.vertices() {
             prop_assert!(in_map.contains(*vertex, tolerance), "{vertex} of the slice is not in the map");
         }
-        let map = SelectableView { clip_from_world: fit.clip_from_world, end_depth: depths[2], margin: DVec2::ZERO, size: UVec2::splat(512), seam_depth: 0.0 };
+        let map = SelectableView { clip_from_world: fit.clip_from_world, end_depth: depths[2], margin: DVec2::ZERO, size: UVec2::splat(512), seam_depth: 0.0, stands_in: false };
         let point = inside(&visible, &shares);
         if map.contains(point) {
             prop_assert!(in_map.contains(point, tolerance), "{point}");

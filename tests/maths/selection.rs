@@ -28,6 +28,7 @@ fn cube(half_side: f64, end_depth: f64, margin: f64) -> SelectableView {
         margin: DVec2::splat(margin),
         size: UVec2::splat(64),
         seam_depth: 0.0,
+        stands_in: false,
     }
 }
 
@@ -254,6 +255,28 @@ fn weights_of_views_follow_the_formulas() {
     );
 }
 
+/// A coarse map under all others serves only what lies in none of them: no seam leads into it.
+#[test]
+fn a_map_that_stands_in_takes_no_part_in_seams() {
+    let mut views = [cube(1.0, 5.0, 0.0), cube(2.0, 10.0, 0.0), cube(4.0, 20.0, 0.0)];
+    views[2].stands_in = true;
+    let weights = |x: f64| {
+        view_weights(
+            &views,
+            Selection::Finest,
+            BorderBand::Share(0.25),
+            DVec3::X * x,
+            1.0,
+            200.0,
+        )
+    };
+    assert_eq!(weights(0.2), [1.0, 0.0, 0.0]);
+    let blended = weights(0.9);
+    assert!(blended[0] > 0.0 && blended[1] > 0.0 && blended[2] == 0.0, "{blended:?}");
+    assert_eq!(weights(1.9), [0.0, 1.0, 0.0], "nothing else holds it");
+    assert_eq!(weights(3.0), [0.0, 0.0, 1.0]);
+}
+
 #[test]
 fn shadows_fade_at_the_end_of_their_range() {
     let fade = |depth| range_fade(depth, 100.0, 0.2);
@@ -298,6 +321,7 @@ proptest! {
                 margin: DVec2::splat(1.0 / 512.0),
                 size: UVec2::splat(512),
                 seam_depth: 0.0,
+                stands_in: false,
             });
         }
         let vertices = visible.vertices();

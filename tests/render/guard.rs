@@ -4,35 +4,17 @@
 //! [`a_shift_by_two_texels_is_found`].
 
 use bevy::{
-    light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap},
     math::Mat4,
     pbr::LightEntity,
     prelude::*,
     render::{Render, RenderApp, RenderSystems, view::ExtractedView},
 };
-use umbrage::{
-    cli::headless::{self, Pipelines},
-    level::{
-        LevelPlugin, LoadedScene, RequestedScene, SceneStatus, Sun, find::asset_root, scene::SceneSource, shot::Shot,
-        sky::sun_transform,
-    },
-    render::{
-        capture,
-        extract::ExtractedSun,
-        mask::{MaskPlugin, ShadowMask},
-        reference::{
-            accuracy,
-            extract::truth_scene,
-            pixels::{self, PixelRays, PixelTruth},
-            scene::TruthScene,
-        },
-    },
-    shadow::technique::Technique,
+use umbrage::render::{
+    extract::ExtractedSun,
+    reference::{accuracy, pixels::PixelTruth},
 };
 
-use crate::harness::{Harness, eye};
-
-const SIZE: UVec2 = UVec2::new(240, 135);
+use crate::room::{Room, SIZE};
 
 /// A sixteenth of the default budget, as suits a small picture: 1024² texels in all.
 const TECHNIQUES: [&str; 6] = [
@@ -43,8 +25,6 @@ const TECHNIQUES: [&str; 6] = [
     "lispsm:path=dropin,size=1024",
     "zp4+lispsm:path=dropin,size=512",
 ];
-/// The side of each of the four maps that `bevy` has.
-const BEVY_SIZE: usize = 512;
 
 /// What was measured on llvmpipe: valid pixels, those of them in shadow, and the percentage that each of [`TECHNIQUES`]
 /// has wrong.
@@ -99,116 +79,7 @@ const MEASURED: [Measured; 14] = [
     measured("wires",         "beside",     16427,   90, [0.481, 0.511, 0.298, 0.432, 0.402, 0.402]),
 ];
 
-/// A room in an app that draws masks.
-struct Room {
-    name: &'static str,
-    harness: Harness,
-    sun: Entity,
-    shots: Vec<Shot>,
-    truth: TruthScene,
-}
-
 impl Room {
-    fn load(name: &'static str) -> Self {
-        let root = asset_root(Some(env!("CARGO_MANIFEST_DIR").as_ref())).unwrap_or_else(|error| panic!("{error}"));
-        let mut harness = Harness::new(SIZE, eye());
-        harness
-            .app
-            .add_plugins((LevelPlugin { assets: root }, MaskPlugin))
-            .insert_resource(RequestedScene(Some(SceneSource::level(&format!("room/{name}")))));
-        headless::finish(&mut harness.app);
-        loop {
-            harness.app.update();
-            match harness.app.world().resource::<SceneStatus>() {
-                SceneStatus::Ready => break,
-                SceneStatus::Failed(problem) => panic!("{problem}"),
-                SceneStatus::Idle | SceneStatus::Loading { .. } => {}
-            }
-        }
-        let world = harness.app.world_mut();
-        let sun = world
-            .query_filtered::<Entity, With<Sun>>()
-            .single(world)
-            .expect("one sun");
-        let shots = world.resource::<LoadedScene>().shots.clone();
-        let truth = truth_scene(world, None).expect("all meshes are in main memory");
-        harness.add_mask(sun, SIZE);
-        Self {
-            name,
-            harness,
-            sun,
-            shots,
-            truth,
-        }
-    }
-
-    /// Places camera and sun.
-    fn aim(&mut self, shot: &Shot) {
-        let projection = Projection::Perspective(PerspectiveProjection {
-            fov: shot.fov_y_deg.to_radians(),
-            near: shot.near,
-            far: shot.far,
-            ..default()
-        });
-        let camera = self.harness.camera;
-        let world = self.harness.app.world_mut();
-        world.entity_mut(camera).insert((projection, shot.camera()));
-        world.entity_mut(self.sun).insert(sun_transform(shot.light_dir.into()));
-    }
-
-    fn apply(&mut self, technique: &str, far: f32) {
-        let technique: Technique = technique.parse().unwrap_or_else(|error| panic!("{technique}: {error}"));
-        let world = self.harness.app.world_mut();
-        technique.apply(&mut world.commands().entity(self.sun));
-        world.flush();
-        if matches!(technique, Technique::Bevy(_)) {
-            world.insert_resource(DirectionalLightShadowMap { size: BEVY_SIZE });
-            let cascades = CascadeShadowConfigBuilder {
-                maximum_distance: far,
-                ..default()
-            };
-            world.entity_mut(self.sun).insert(cascades.build());
-        }
-    }
-
-    /// Mask and depths, once they are the same twice in a row.
-    fn draw(&mut self) -> (Vec<u8>, Vec<f32>) {
-        let app = &mut self.harness.app;
-        let images = app
-            .world()
-            .get::<ShadowMask>(self.harness.camera)
-            .expect("a mask")
-            .clone();
-        let (mut before, mut ready_frames) = (Vec::new(), 0);
-        for _ in 0..60 {
-            headless::frame(app);
-            match headless::pipelines(app) {
-                Pipelines::Ready => ready_frames += 1,
-                Pipelines::Waiting => ready_frames = 0,
-                Pipelines::Failed(error) => panic!("{error}"),
-            }
-            if ready_frames < 2 {
-                continue;
-            }
-            let mask = capture::read_image(app, &images.mask)
-                .expect("the mask can be read")
-                .bytes;
-            if mask == before {
-                let depths = capture::read_image(app, &images.depth).expect("depths can be read");
-                return (mask, depths.to_f32());
-            }
-            before = mask;
-        }
-        panic!("{}: the mask does not stand still", self.name);
-    }
-
-    /// Truth of a shot, from the depths of a frame.
-    fn trace(&self, shot: &Shot, depths: &[f32]) -> Vec<PixelTruth> {
-        let rays = PixelRays::of_camera(SIZE, &shot.camera(), f64::from(shot.fov_y_deg).to_radians());
-        let to_light = -Vec3::from(shot.light_dir).as_dvec3();
-        pixels::trace(&self.truth, &rays, depths, f64::from(shot.far), to_light, |_| {}).truth
-    }
-
     /// All techniques on all shots of the room.
     fn measure(&mut self) -> Vec<Found> {
         let mut all_found = Vec::new();
@@ -220,7 +91,7 @@ impl Room {
                 self.apply(technique, shot.far);
                 let (mask, depths) = self.draw();
                 if truth.is_empty() {
-                    truth = self.trace(&shot, &depths);
+                    truth = self.trace(&shot, &depths).1.truth;
                 }
                 *wrong_percent = 100.0 * accuracy::compare(SIZE, &mask, &truth).overall.wrong_share();
             }

@@ -10,7 +10,7 @@ use umbrage::{
         mask::ShadowMask,
         reference::{
             extract::truth_scene,
-            pixels::{self, PixelRays},
+            pixels::{self, PixelRays, Traced},
             sampling::samples,
         },
     },
@@ -18,7 +18,8 @@ use umbrage::{
 };
 
 use crate::{
-    harness::{Harness, eye},
+    harness::{Harness, WARM_UP, eye},
+    room::Room,
     truth::{LIGHTS, boxes, errors, harness_with, settings},
 };
 
@@ -89,6 +90,11 @@ fn blocks_equal_their_twin() {
                 "block {block}: {found}, not {wanted}"
             );
         }
+        let rounding = 4.0e-6 * twin.depths_ndc[0];
+        let is_same_plane = (seen.plane.depth_ndc - twin.plane.depth_ndc).abs() < rounding
+            && (seen.plane.slope - twin.plane.slope).abs().max_element() < rounding
+            && (0..2).all(|end| (seen.plane.offsets[end] - twin.plane.offsets[end]).abs() < 8.0 * rounding);
+        assert!(is_same_plane, "block {block}: {:?}, not {:?}", seen.plane, twin.plane);
         let ndc = (twin.pixel.as_dvec2() + 0.5) / ODD.as_dvec2() * 2.0 - 1.0;
         let depth = f64::from(depths[(twin.pixel.y * ODD.x + twin.pixel.x) as usize]);
         let position = world_from_clip.project_point3(DVec3::new(ndc.x, -ndc.y, depth));
@@ -110,6 +116,41 @@ fn blocks_equal_their_twin() {
     let pixels: u32 = picture.blocks.iter().flatten().map(|block| block.pixels).sum();
     assert_eq!(pixels as usize, depths.iter().filter(|depth| **depth > 0.0).count());
     assert_eq!(block_pixels(ODD, picture.grid, picture.grid - 1).zw(), ODD);
+}
+
+/// Pixels per texel: the largest over the smallest, and the mean over |Ω| ÷ N, the fewest that N texels can cover
+/// (Theorem 1; Ω are the pixels of the picture, N the texels of the film).
+struct Evenness {
+    spread: f64,
+    over_bound: f64,
+}
+
+impl Evenness {
+    /// Over the pixels of a picture that a plane fills.
+    fn of(maps: &LightMaps, rays: &PixelRays, traced: &Traced) -> Self {
+        let areas: Vec<f64> = samples(maps, rays, traced)
+            .iter()
+            .flatten()
+            .map(|sample| sample.mean_size.powi(2))
+            .collect();
+        let visible = f64::from(rays.size.element_product());
+        assert!(areas.len() as f64 > 0.9 * visible, "{} pixels count", areas.len());
+        let low = areas.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = areas.iter().copied().fold(0.0, f64::max);
+        let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+        Self {
+            spread: high / low,
+            over_bound: mean * maps.maps[0].size.as_dvec2().element_product() / visible,
+        }
+    }
+
+    #[track_caller]
+    fn assert_within_a_hundredth(&self, what: &str) {
+        let Self { spread, over_bound } = *self;
+        println!("{what}: largest ÷ smallest {spread:.5}, mean ÷ bound {over_bound:.5}");
+        assert!((1.0..1.01).contains(&spread), "{what}: areas differ by {spread}");
+        assert!((1.0..1.01).contains(&over_bound), "{what}: {over_bound} x the bound");
+    }
 }
 
 /// One plane that fills the picture: every texel covers the same area in pixels, as small as there are texels (Theorem 1).
@@ -136,27 +177,26 @@ fn one_plane_is_sampled_evenly_and_fully() {
         let truth = truth_scene(harness.app.world_mut(), Some(camera)).expect("meshes are in main memory");
         let rays = PixelRays::of_camera(size, &eye, std::f64::consts::FRAC_PI_4);
         let traced = pixels::trace(&truth, &rays, &depths, 120.0, -light_dir.as_dvec3().normalize(), |_| {});
-        let areas: Vec<f64> = samples(&maps, &rays, &traced)
-            .iter()
-            .flatten()
-            .map(|sample| sample.mean_size.powi(2))
-            .collect();
-        let visible = size.element_product() as f64;
-        assert!(areas.len() as f64 > 0.95 * visible, "{} pixels count", areas.len());
-        let (low, high) = areas.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), area| {
-            (low.min(*area), high.max(*area))
-        });
-        assert!(high / low < 1.01, "{technique}: {low} to {high} pixels per texel");
-        let mean = areas.iter().sum::<f64>() / areas.len() as f64;
-        let bound = visible / maps.texels() as f64;
-        println!(
-            "{technique}: mean {mean:.6}, bound {bound:.6}, spread {:.5}",
-            high / low
-        );
-        assert!(
-            (1.0..1.01).contains(&(mean / bound)),
-            "{technique}: {mean}, bound {bound}"
-        );
+        Evenness::of(&maps, &rays, &traced).assert_within_a_hundredth(technique);
+    }
+}
+
+/// The same in the level that was made for it, with the film over what was seen that is the default.
+#[test]
+fn the_room_of_one_plane_is_sampled_evenly_and_fully() {
+    let mut room = Room::load("one_plane");
+    let shot = room.shots[0].clone();
+    assert_eq!(shot.name, "down", "the shot that the plane fills");
+    room.aim(&shot);
+    for technique in ["optimal", "optimal:damping=0", "optimal:size=2048"] {
+        room.apply(technique, shot.far);
+        // Films are laid when the first picture has come back.
+        room.harness.frames(WARM_UP);
+        let (_, depths) = room.draw();
+        let (rays, traced) = room.trace(&shot, &depths);
+        let maps = LightMaps::of(room.harness.app.world(), room.sun, room.harness.camera);
+        assert_eq!(maps.maps.len(), 2, "one film, and a coarse map for what was not seen");
+        Evenness::of(&maps, &rays, &traced).assert_within_a_hundredth(technique);
     }
 }
 
@@ -170,6 +210,10 @@ fn films_agree_with_truth() {
             "optimal:size=1024,cover=body",
             "optimal:size=1024,frusta=4",
             "optimal:size=1024,frusta=3,divide=tiles,metric=stretch",
+            "optimal:size=1024,frusta=4,seam=0.2",
+            "optimal:size=1024,frusta=4,near=auto,far=auto",
+            "optimal:size=1024,path=dropin",
+            "optimal:size=512,frusta=4,path=dropin",
         ] {
             let (false_shadow, false_lit) = errors(light, technique);
             assert!(

@@ -14,6 +14,7 @@ mod lighting;
 mod lookup;
 mod partitions;
 mod reference;
+mod room;
 mod softness;
 mod stability;
 mod stable_maps;

@@ -78,6 +78,7 @@ fn weights(views: &CameraSunViews, selection: Selection, band: BorderBand) -> Ve
                 margin: DVec2::ONE / size.as_dvec2(),
                 size,
                 seam_depth: f64::from(partition.light_view.seam_depth),
+                stands_in: partition.light_view.stands_in,
             }
         })
         .collect();

@@ -111,7 +111,7 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
             },
             depth_range: Vec2::new(light_view.near_depth, light_view.far_depth),
             seam_depth: light_view.seam_depth,
-            padding: 0.0,
+            stands_in: u32::from(light_view.stands_in),
         };
     }
     let (bias_kind, bias_value, bias_units) = match sun.settings.bias {

@@ -9,7 +9,7 @@ use bevy::{
 
 use super::prepare::BlockBuffers;
 use crate::{
-    maths::light_plane::space::{SeenBlock, SeenPicture},
+    maths::light_plane::space::{BlockPlane, SeenBlock, SeenPicture},
     render::gpu_types::{BlockGrid, GpuSeenBlock},
     shadow::light_plane::{SeenSurfaces, SurfaceSampling},
 };
@@ -65,6 +65,11 @@ fn seen_block(block: &GpuSeenBlock) -> Option<SeenBlock> {
         depths_ndc: [block.nearest_ndc, block.farthest_ndc],
         pixel: block.pixel,
         pixels: block.pixel_count,
+        plane: BlockPlane {
+            depth_ndc: block.plane_ndc,
+            slope: block.slope,
+            offsets: block.offsets.to_array(),
+        },
     })
 }
 
@@ -94,7 +99,9 @@ mod tests {
             farthest_ndc: 0.25,
             pixel: UVec2::new(7, 9),
             pixel_count: 12,
-            padding: 0,
+            plane_ndc: 0.375,
+            slope: Vec2::new(0.5, 0.125),
+            offsets: Vec2::new(-0.25, 1.0),
         };
         let mut buffer = encase::StorageBuffer::new(Vec::new());
         buffer.write(&[block, GpuSeenBlock::default()]).expect("a vector grows");
@@ -111,6 +118,7 @@ mod tests {
             (seen.depths_ndc, seen.pixels, seen.pixel),
             ([0.5, 0.25], 12, UVec2::new(7, 9))
         );
+        assert_eq!((seen.plane.depth_ndc, seen.plane.offsets), (0.375, [-0.25, 1.0]));
         assert_eq!((picture.size, picture.grid), (UVec2::new(64, 32), UVec2::new(2, 1)));
     }
 }

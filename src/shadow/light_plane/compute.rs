@@ -185,7 +185,9 @@ impl Films<'_> {
                 warp: Warp::Lispsm,
                 ..self.whole.clone()
             };
-            partitions.push(self.fitter.partition(part, *rest, coarse));
+            let mut partition = self.fitter.partition(part, *rest, coarse);
+            partition.light_view.stands_in = true;
+            partitions.push(partition);
         }
         Ok(partitions)
     }

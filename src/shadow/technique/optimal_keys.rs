@@ -68,6 +68,11 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     if let Some(seconds) = pairs.read("damping", |text| number(text, 0.0..=LightPlanes::LONGEST_DAMPING))? {
         planes.damping = seconds;
     }
+    if planes.division == FilmDivision::Tiles && planes.frusta == 1 {
+        return Err(TechniqueError::together(
+            "`divide=tiles` needs more than one film to divide: say frusta=2..8",
+        ));
+    }
     if planes.cover == FilmCover::Body && planes.division == FilmDivision::Tiles {
         return Err(TechniqueError::together(
             "`cover=body` does not go with `divide=tiles`: where nothing was seen there would be no map",
@@ -155,9 +160,10 @@ mod tests {
             ("optimal:frusta=0", "1..=8"),
             ("optimal:frusta=9", "1..=8"),
             ("optimal:metric=linf", "area|stretch"),
-            ("optimal:divide=tiles,cover=body", "no map"),
+            ("optimal:divide=tiles", "more than one film"),
+            ("optimal:frusta=4,divide=tiles,cover=body", "no map"),
             ("optimal:path=dropin,frusta=5", "at most 4"),
-            ("optimal:path=dropin,divide=tiles", "path=dropin"),
+            ("optimal:path=dropin,frusta=2,divide=tiles", "path=dropin"),
             ("optimal:damping=-1", "0..=10"),
             ("optimal:lambda=0.5", "means nothing"),
             ("zp4:frusta=2", "means nothing"),
@@ -194,6 +200,7 @@ mod tests {
             damping in 0.0f32..=10.0,
             map_size in 16u32..=4096,
         ) {
+            prop_assume!(frusta > 1 || division == FilmDivision::Depth);
             let planes = LightPlanes { frusta, metric, film, division, cover, damping };
             let technique = Technique::Umbrage(SunShadows { light_planes: Some(planes), map_size, ..SunShadows::HIGH });
             prop_assert_eq!(technique.to_string().parse(), Ok(technique));

@@ -216,7 +216,10 @@ fn errors_fall() {
     // The division goes by balanced bends, which are within a hundredth of the best.
     for division in [FilmDivision::Depth, FilmDivision::Tiles] {
         let [two, four] = [2, 4].map(|frusta| need(frusta, division, FilmCover::Seen));
-        assert!(two < one * 1.01 && four < two, "{division:?}: {one} {two} {four}");
+        assert!(two < one * 1.01, "{division:?}: {one} {two}");
+        // Of two planes, one film each is the best division by depth.
+        let gain = if division == FilmDivision::Depth { 1.0 } else { 0.99 };
+        assert!(four <= two * gain, "{division:?}: {two} {four}");
     }
     let plan = seen.plan(&options(1, FilmDivision::Depth, FilmCover::Seen));
     assert!(plan.gain > 1.5, "over no bend: {}", plan.gain);

@@ -103,6 +103,7 @@ impl Camera {
                 depths_ndc: reduced.depths_ndc,
                 pixel: reduced.pixel,
                 pixels: reduced.pixels,
+                plane: reduced.plane,
             })
         };
         let picture = SeenPicture {

@@ -1,9 +1,9 @@
 //! Blocks of a picture, and what they cover.
 
-use bevy_math::{DVec2, DVec3, UVec2};
+use bevy_math::{DVec2, DVec3, UVec2, Vec2};
 use umbrage::maths::{
     fit::LightAxes,
-    light_plane::space::{BaseFilm, FilmHull, SeenPicture, block_pixels, reduce_block},
+    light_plane::space::{BaseFilm, BlockCorner, FilmHull, SeenPicture, block_pixels, reduce_block},
 };
 
 use super::scene::{Camera, scene_two};
@@ -55,6 +55,14 @@ fn a_block_by_hand() {
     ];
     let block = reduce_block(&depths, UVec2::new(8, 3), UVec2::new(2, 1), UVec2::X).expect("surfaces");
     assert_eq!((block.depths_ndc, block.pixels), ([0.6, 0.1], 6));
+    // From (5, 0) 0.1 less to the left, and its neighbours to the right and below see the sky.
+    assert_eq!(
+        (block.plane.depth_ndc, block.plane.slope),
+        (0.3, Vec2::new(0.3 - 0.2, 0.0))
+    );
+    let [lowest, highest] = block.plane.offsets;
+    close(lowest.into(), 0.1 - 0.5, 1.0e-6);
+    close(highest.into(), 0.6 - 0.3, 1.0e-6);
     // The middle is at (6, 1.5): (5, 0), (5, 2) and (6, 2) are equally near, and the first of them counts.
     assert_eq!(block.pixel, UVec2::new(5, 0));
     assert_eq!(
@@ -104,6 +112,22 @@ fn all_pixels_lie_between_the_rays() {
     assert!(checked > 4_000, "{checked} pixels");
 }
 
+/// One surface that fills the picture lies in a layer without thickness, far thinner than the depths of its blocks.
+#[test]
+fn one_surface_lies_in_a_thin_layer() {
+    let (eye, ahead) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.2, -1.0, -1.0));
+    let camera = Camera::sparse(eye, ahead, 0.5, 1.5, UVec2::new(12, 8), UVec2::new(96, 64));
+    let (picture, points) = camera.picture(&scene_two()[..1]);
+    assert_eq!(points.len(), 96 * 64, "a plane fills the picture");
+    let base = base(&picture, &camera);
+    for block in picture.on_film(&base) {
+        let thickness = |ends: [BlockCorner; 2]| (ends[1].depth - ends[0].depth).abs();
+        let [near, far] = block.depths;
+        let thickest = block.corners.map(thickness).into_iter().fold(0.0, f64::max);
+        assert!(thickest < 1.0e-4 * (far - near), "{thickest} of {near}..{far}");
+    }
+}
+
 /// A block that is cut in two holds the same together, and its sample is in one of the parts.
 #[test]
 fn parts_of_a_block() {
@@ -124,13 +148,12 @@ fn parts_of_a_block() {
             usize::from(block.sample.is_some())
         );
         assert_eq!((parts[0].depths, parts[1].depths), ([near, middle], [middle, far]));
-        for (ray, [first, second]) in block
-            .rays
-            .iter()
-            .zip([0, 1, 2, 3].map(|ray| [parts[0].rays[ray], parts[1].rays[ray]]))
-        {
-            assert_eq!((ray[0], ray[1], first[1]), (first[0], second[1], second[0]));
-        }
+        // A cut has no thickness: together the parts hold what the block holds, and no more.
+        let area = |points: &[DVec2]| FilmHull::new(points.iter().copied()).expect("an area").area();
+        let whole = block.points();
+        let both: Vec<DVec2> = parts.iter().flat_map(|part| part.points()).collect();
+        close(area(&both), area(&whole), 1.0e-9);
+        assert!(parts.iter().all(|part| part.points().len() >= 3), "{parts:?}");
         assert_eq!(block.between(far * 1.01, 1.0e9), None);
         assert_eq!(block.between(0.0, near), None);
     }

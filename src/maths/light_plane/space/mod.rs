@@ -68,6 +68,7 @@
 mod base;
 mod cut;
 mod damping;
+mod film_block;
 mod fit;
 mod frame;
 mod hull;
@@ -82,6 +83,7 @@ mod tiles;
 
 pub use base::{BaseFilm, FilmError, depth_form, plane_form};
 pub use damping::{Damped, Damping};
+pub use film_block::{BlockCorner, FilmBlock};
 pub use fit::{FilmFitInput, fit_film, point_light_clip_from_world};
 pub use frame::{FilmFrame, FilmShape};
 pub use hull::FilmHull;
@@ -89,7 +91,7 @@ pub use moments::FilmMoments;
 pub use partition::{FilmBin, FilmFrustum, FilmPartition, depth_order};
 pub use plan::{FilmCover, FilmDivision, FilmMemory, FilmPlan, FilmPlanInput, FilmPlanOptions, plan_films};
 pub use sample::{FilmSample, LEAST_COSINE, SampleGrid, Unsampled};
-pub use seen::{BlockDepths, FilmBlock, SeenBlock, SeenPicture, block_pixels, reduce_block};
+pub use seen::{BlockDepths, BlockPlane, SeenBlock, SeenPicture, block_pixels, reduce_block};
 pub use slices::{DepthSlices, slice_by_depth};
 pub use solve::{Film, FilmMetric, FilmObjective, FilmProblem, MapSides};
 pub use tiles::{FilmTiles, MergeLimits, TileOwners};

@@ -1,8 +1,11 @@
 //! [`SeenPicture`]: what a camera sees, block by block of its pixels, and how it lies on a film.
 
-use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2, UVec4};
+use bevy_math::{DMat4, DVec2, DVec3, DVec4, UVec2, UVec4, Vec2, Vec4Swizzles};
 
-use super::{BaseFilm, FilmSample, SampleGrid};
+use super::{BaseFilm, BlockCorner, FilmBlock, FilmSample, SampleGrid};
+
+/// Rounding errors between a depth and its offset from a plane, relative to the depth.
+const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A block of pixels in which some see a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +20,53 @@ pub struct SeenBlock {
     pub pixel: UVec2,
     /// Pixels that see a surface.
     pub pixels: u32,
+    /// The plane through that pixel, and how far the others are off it.
+    pub plane: BlockPlane,
+}
+
+/// A plane over the picture, and how far the pixels of a block are off it. NDC depth of a plane is affine over the screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BlockPlane {
+    /// NDC depth at the middle of the chosen pixel.
+    pub depth_ndc: f32,
+    /// Change of NDC depth per pixel, to the right and down.
+    pub slope: Vec2,
+    /// Least and greatest NDC depth of a pixel less that of the plane there.
+    pub offsets: [f32; 2],
+}
+
+impl BlockPlane {
+    /// NDC depth of the plane at a place in pixels, of which the chosen pixel has its middle at another.
+    fn depth_at(&self, place: DVec2, middle: DVec2) -> f64 {
+        f64::from(self.depth_ndc) + self.slope.as_dvec2().dot(place - middle)
+    }
+}
+
+impl SeenBlock {
+    /// NDC depths at the corners of the block's pixels (top left, top right, bottom right, bottom left) between which all
+    /// its surfaces lie: nearest and farthest. `None` where those of all pixels are closer to each other.
+    fn layer_ndc(&self, pixels: UVec4) -> Option<[[f64; 2]; 4]> {
+        let [nearest, farthest] = self.depths_ndc.map(f64::from);
+        // Depths, slopes and offsets are rounded to single precision.
+        let rounding = ROUNDINGS * nearest;
+        let lowest = f64::from(self.plane.offsets[0]) - rounding;
+        let highest = f64::from(self.plane.offsets[1]) + rounding;
+        let middle = self.pixel.as_dvec2() + 0.5;
+        let layer = [pixels.xy(), pixels.zy(), pixels.zw(), pixels.xw()].map(|place| {
+            let depth = self.plane.depth_at(place.as_dvec2(), middle);
+            [depth + highest, depth + lowest]
+        });
+        // Corners are half a pixel beyond the pixels. Where they are much nearer or farther than all of them, the surface
+        // ends inside the block and its plane goes on, perhaps to the horizon.
+        let slack = f64::from(self.plane.slope.abs().element_sum()) + rounding;
+        let range = farthest - slack..=nearest + slack;
+        let is_thinner = highest - lowest < nearest - farthest
+            && layer
+                .iter()
+                .flatten()
+                .all(|depth| *depth > 0.0 && range.contains(depth));
+        is_thinner.then_some(layer)
+    }
 }
 
 /// What a camera sees: a grid of blocks over its picture.
@@ -30,17 +80,6 @@ pub struct SeenPicture {
     pub grid: UVec2,
     /// Row by row from the top left; `None`: only sky, or no pixel at all in pictures smaller than the grid.
     pub blocks: Vec<Option<SeenBlock>>,
-}
-
-/// A block on the base film.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilmBlock {
-    /// Stands for the block's pixels; `None` where the surface says nothing about films ([`Unsampled`](super::Unsampled)).
-    pub sample: Option<FilmSample>,
-    /// The rays through the block's corners, at its nearest and its farthest depth. All its pixels lie between them.
-    pub rays: [[DVec2; 2]; 4],
-    /// View depths of the nearest and of the farthest pixel: w of the camera's matrix.
-    pub depths: [f64; 2],
 }
 
 /// First pixel and the one beyond the last of a block: x, y, x, y. The blocks of a picture neither overlap nor leave a
@@ -60,6 +99,8 @@ pub struct BlockDepths {
     pub pixel: UVec2,
     /// Pixels that see a surface.
     pub pixels: u32,
+    /// The plane through that pixel: each of its slopes is the smaller one to both neighbours in the block.
+    pub plane: BlockPlane,
 }
 
 /// The depths of a block: step by step what `shaders/light_plane/see_blocks.wgsl` does. `depths` of all pixels row by row,
@@ -84,6 +125,7 @@ pub fn reduce_block(depths: &[f32], size: UVec2, grid: UVec2, block: UVec2) -> O
                     depths_ndc: [depth; 2],
                     pixel: UVec2::ZERO,
                     pixels: 0,
+                    plane: BlockPlane::default(),
                 },
             ));
             let [near, far] = known.depths_ndc;
@@ -95,7 +137,42 @@ pub fn reduce_block(depths: &[f32], size: UVec2, grid: UVec2, block: UVec2) -> O
             }
         }
     }
-    reduced.map(|(_, reduced)| reduced)
+    let (_, mut block) = reduced?;
+    let depth_of = |pixel: UVec2| {
+        let is_inside = pixel.cmpge(pixels.xy()).all() && pixel.cmplt(pixels.zw()).all();
+        let depth = if is_inside {
+            depths[(pixel.y * size.x + pixel.x) as usize]
+        } else {
+            0.0
+        };
+        (depth > 0.0).then_some(depth)
+    };
+    let depth_ndc = depths[(block.pixel.y * size.x + block.pixel.x) as usize];
+    let slope = |axis: UVec2| {
+        let before = depth_of(block.pixel.wrapping_sub(axis)).map(|before| depth_ndc - before);
+        let after = depth_of(block.pixel + axis).map(|after| after - depth_ndc);
+        match (before, after) {
+            (Some(before), Some(after)) if after.abs() < before.abs() => after,
+            (before, after) => before.or(after).unwrap_or(0.0),
+        }
+    };
+    let slope = Vec2::new(slope(UVec2::X), slope(UVec2::Y));
+    let mut offsets = [f32::INFINITY, f32::NEG_INFINITY];
+    for y in pixels.y..pixels.w {
+        for x in pixels.x..pixels.z {
+            if let Some(depth) = depth_of(UVec2::new(x, y)) {
+                let step = UVec2::new(x, y).as_vec2() - block.pixel.as_vec2();
+                let offset = depth - (depth_ndc + slope.dot(step));
+                offsets = [offsets[0].min(offset), offsets[1].max(offset)];
+            }
+        }
+    }
+    block.plane = BlockPlane {
+        depth_ndc,
+        slope,
+        offsets,
+    };
+    Some(block)
 }
 
 impl SeenPicture {
@@ -136,6 +213,7 @@ impl SeenPicture {
         clip_from_world: DMat4,
     ) -> impl Iterator<Item = (&'a SeenBlock, FilmBlock)> + 'a {
         let world_from_clip = clip_from_world.inverse();
+        let row = clip_from_world.row(3);
         let columns = self.grid.x.max(1);
         (0..).zip(&self.blocks).filter_map(move |(index, block): (u32, _)| {
             let block = block.as_ref()?;
@@ -144,8 +222,8 @@ impl SeenPicture {
                 let share = DVec2::new(f64::from(x), f64::from(y)) / self.size.as_dvec2();
                 DVec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y)
             };
-            let at = |corner: DVec2, depth: f32| {
-                let point = world_from_clip * DVec4::new(corner.x, corner.y, f64::from(depth), 1.0);
+            let at = |corner: DVec2, depth: f64| {
+                let point = world_from_clip * DVec4::new(corner.x, corner.y, depth, 1.0);
                 point.truncate() / point.w
             };
             let corners = [
@@ -154,53 +232,30 @@ impl SeenPicture {
                 ndc(pixels.z, pixels.w),
                 ndc(pixels.x, pixels.w),
             ];
-            let mut rays = [[DVec2::ZERO; 2]; 4];
-            for (ray, corner) in rays.iter_mut().zip(corners) {
-                for (place, depth) in ray.iter_mut().zip(block.depths_ndc) {
-                    *place = base.film(at(corner, depth)).filter(|place| place.is_finite())?;
+            let place_at = |corner: usize, depth_ndc: f64| {
+                let world = at(corners[corner], depth_ndc);
+                let place = base.film(world).filter(|place| place.is_finite())?;
+                let depth = row.dot(world.extend(1.0));
+                Some(BlockCorner { place, depth })
+            };
+            let depths_ndc = block.depths_ndc.map(f64::from);
+            let depths = depths_ndc.map(|depth| row.dot(at(corners[0], depth).extend(1.0)));
+            let layer = block.layer_ndc(pixels).unwrap_or([depths_ndc; 4]);
+            let mut ends = [[BlockCorner::default(); 2]; 4];
+            for (corner, ends) in ends.iter_mut().enumerate() {
+                for (end, depth_ndc) in ends.iter_mut().zip(layer[corner]) {
+                    *end = place_at(corner, depth_ndc)?;
                 }
             }
-            let row = clip_from_world.row(3);
-            let depths = block.depths_ndc.map(|depth| row.dot(at(corners[0], depth).extend(1.0)));
             Some((
                 block,
                 FilmBlock {
                     sample: None,
-                    rays,
+                    corners: ends,
                     depths,
+                    cut: FilmBlock::UNCUT,
                 },
             ))
         })
-    }
-}
-
-impl FilmBlock {
-    /// The part of the block between two view depths; `None` if there is none. Film coordinates of the sun are linear along
-    /// the rays. The sample stays with the part that has its depth, of two neighbours with the farther one.
-    pub fn between(&self, near: f64, far: f64) -> Option<Self> {
-        let [first, last] = self.depths;
-        if first >= far || last < near {
-            return None;
-        }
-        let share = |depth: f64| {
-            let share = (depth - first) / (last - first);
-            if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
-        };
-        let ends = [first.max(near), last.min(far)];
-        let rays = self
-            .rays
-            .map(|[nearest, farthest]| ends.map(|depth| nearest.lerp(farthest, share(depth))));
-        let sample = self.sample.filter(|sample| (near..far).contains(&sample.depths[0]));
-        Some(Self {
-            sample,
-            rays,
-            depths: ends,
-        })
-    }
-
-    /// Points whose hull holds all pixels of the block.
-    pub fn points(&self) -> [DVec2; 8] {
-        let [a, b, c, d] = self.rays;
-        [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]]
     }
 }
