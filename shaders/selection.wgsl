@@ -12,7 +12,8 @@
     SELECTION_FINEST,
 }
 
-@group(0) @binding(3) var<uniform> parameters: ApplyParameters;
+// No uniform: software drivers compile a shader for every tile from uniforms that decide branches, and keep them all.
+@group(0) @binding(3) var<storage, read> parameters: ApplyParameters;
 
 struct Selected {
     plane: ReceiverPlane,

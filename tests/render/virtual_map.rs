@@ -416,3 +416,21 @@ fn cameras_return_to_partitions() {
     let reports = stage.harness.app.world().resource::<VirtualMapReports>();
     assert_eq!(reports.get(stage.harness.camera), None);
 }
+
+/// Software drivers compile a shader for every value of a uniform that decides a branch, and keep them all: a frame of many
+/// tiles took gigabytes. Each compiled one has mappings of memory of its own.
+#[cfg(target_os = "linux")]
+#[test]
+fn tiles_compile_no_shaders() {
+    let mappings = || std::fs::read_to_string("/proc/self/maps").map_or(0, |maps| maps.lines().count());
+    let mut stage = Stage::new(SunShadows {
+        maps: ShadowMaps::Tiled(tiled(16, 64)),
+        ..one_map(Warp::Lispsm, ShadowFilter::Pcf2)
+    });
+    stage.harness.frames(2);
+    let before = mappings();
+    stage.harness.frames(2);
+    assert_eq!(stage.report().tiles.len(), 256);
+    let more = mappings().saturating_sub(before);
+    assert!(before > 0 && more < 100, "{more} mappings of memory in two frames");
+}

@@ -11,8 +11,8 @@ use bevy::{
         render_resource::{
             BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
             ColorTargetState, ColorWrites, FragmentState, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
-            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, StoreOp, TextureSampleType, UniformBuffer,
-            binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, StorageBuffer, StoreOp, TextureSampleType,
+            binding_types::{storage_buffer_read_only, texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
         texture::FallbackImage,
@@ -58,9 +58,9 @@ struct ApplyPipeline {
     id: CachedRenderPipelineId,
 }
 
-/// On a camera's render entity: the uniform of its apply pass.
+/// On a camera's render entity: what its apply pass reads.
 #[derive(Component)]
-pub struct ApplyUniform(pub UniformBuffer<ApplyParameters>);
+pub struct ApplyBuffer(pub StorageBuffer<ApplyParameters>);
 
 fn init_apply_pipeline(
     mut commands: Commands,
@@ -76,7 +76,7 @@ fn init_apply_pipeline(
                 uniform_buffer::<ViewUniform>(true),
                 texture_depth_2d(),
                 texture_2d(TextureSampleType::Float { filterable: false }),
-                uniform_buffer::<ApplyParameters>(false),
+                storage_buffer_read_only::<ApplyParameters>(false),
                 texture_depth_2d(),
             ),
         ),
@@ -172,17 +172,17 @@ fn prepare_parameters(
     mut commands: Commands,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
-    mut cameras: Query<(Entity, &ExtractedSun, &ShadowAtlas, Option<&mut ApplyUniform>)>,
+    mut cameras: Query<(Entity, &ExtractedSun, &ShadowAtlas, Option<&mut ApplyBuffer>)>,
 ) {
-    for (entity, sun, atlas, uniform) in &mut cameras {
+    for (entity, sun, atlas, known) in &mut cameras {
         let parameters = apply_parameters(sun, atlas);
-        if let Some(mut uniform) = uniform {
-            uniform.0.set(parameters);
-            uniform.0.write_buffer(&device, &queue);
+        if let Some(mut known) = known {
+            known.0.set(parameters);
+            known.0.write_buffer(&device, &queue);
         } else {
-            let mut buffer = UniformBuffer::from(parameters);
+            let mut buffer = StorageBuffer::from(parameters);
             buffer.write_buffer(&device, &queue);
-            commands.entity(entity).insert(ApplyUniform(buffer));
+            commands.entity(entity).insert(ApplyBuffer(buffer));
         }
     }
 }
@@ -192,7 +192,7 @@ fn apply_views(
         &ExtractedCamera,
         &ShadowAtlas,
         &ShadowResult,
-        &ApplyUniform,
+        &ApplyBuffer,
         &ViewPrepassTextures,
         &ViewUniformOffset,
         &ExtractedSun,
@@ -203,7 +203,7 @@ fn apply_views(
     (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
     mut ctx: RenderContext,
 ) {
-    let (camera, atlas, result, uniform, prepass, view_offset, sun, fading) = view.into_inner();
+    let (camera, atlas, result, buffer, prepass, view_offset, sun, fading) = view.into_inner();
     if sun.settings.maps.is_virtual() {
         return;
     }
@@ -211,7 +211,7 @@ fn apply_views(
         cache.get_render_pipeline(pipeline.id),
         prepass.depth_view(),
         view_uniforms.uniforms.binding(),
-        uniform.0.binding(),
+        buffer.0.binding(),
     ) else {
         return;
     };

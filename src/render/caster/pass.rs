@@ -30,6 +30,9 @@ use crate::{
 /// Invocations of one workgroup of the culling shader.
 const WORKGROUP_SIZE: u32 = 64;
 
+/// The name of the time span around all passes of [`CasterPasses::PerMap`], culling included.
+const DRAW_APART: &str = "umbrage_draw_casters_apart";
+
 /// The culling pipeline.
 #[derive(Resource)]
 pub struct CullPipeline {
@@ -154,6 +157,11 @@ pub fn draw_casters(
     let first = (&atlas.view, &views.light_views, "umbrage_draw_casters");
     let second = atlas.second.as_ref();
     let second = second.map(|(_, view)| (view, &views.second_views, "umbrage_draw_second_casters"));
+    // Spans of one name are samples of each other: those of all passes are one.
+    let is_apart = together < matrices.len();
+    if is_apart && let Some(recorder) = ctx.diagnostic_recorder() {
+        recorder.begin_time_span(ctx.command_encoder(), DRAW_APART.into());
+    }
     // An atlas without maps is cleared all the same.
     for start in (0..matrices.len().max(1)).step_by(together) {
         let maps = start..(start + together).min(matrices.len());
@@ -197,6 +205,9 @@ pub fn draw_casters(
             }
             span.end(&mut pass);
         }
+    }
+    if is_apart && let Some(recorder) = ctx.diagnostic_recorder() {
+        recorder.end_time_span(ctx.command_encoder());
     }
 }
 

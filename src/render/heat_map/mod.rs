@@ -21,8 +21,8 @@ use bevy::{
         render_resource::{
             BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId, PipelineCache,
             RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
-            SpecializedRenderPipelines, TextureFormat, TextureSampleType, UniformBuffer,
-            binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
+            SpecializedRenderPipelines, StorageBuffer, TextureFormat, TextureSampleType,
+            binding_types::{storage_buffer_read_only, texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
         texture::FallbackImage,
@@ -136,7 +136,7 @@ struct HeatMapPipeline {
 #[derive(Component)]
 struct PreparedHeatMap {
     pipeline: CachedRenderPipelineId,
-    parameters: UniformBuffer<ApplyParameters>,
+    parameters: StorageBuffer<ApplyParameters>,
 }
 
 fn init_pipeline(mut commands: Commands, fullscreen: Res<FullscreenShader>, server: Res<AssetServer>) {
@@ -149,7 +149,7 @@ fn init_pipeline(mut commands: Commands, fullscreen: Res<FullscreenShader>, serv
                     uniform_buffer::<ViewUniform>(true),
                     texture_depth_2d(),
                     texture_2d(TextureSampleType::Float { filterable: false }),
-                    uniform_buffer::<ApplyParameters>(false),
+                    storage_buffer_read_only::<ApplyParameters>(false),
                 ),
             ),
         ),
@@ -202,7 +202,7 @@ fn prepare(
             commands.entity(entity).remove::<PreparedHeatMap>();
             continue;
         }
-        let mut parameters = UniformBuffer::from(heat_map.parameters());
+        let mut parameters = StorageBuffer::from(heat_map.parameters());
         parameters.write_buffer(&device, &queue);
         commands.entity(entity).insert(PreparedHeatMap {
             pipeline: pipelines.specialize(

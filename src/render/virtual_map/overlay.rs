@@ -16,7 +16,9 @@ use bevy::{
             BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId, PipelineCache,
             RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
             SpecializedRenderPipelines, TextureFormat, TextureSampleType,
-            binding_types::{storage_buffer_read_only_sized, texture_2d, texture_depth_2d, uniform_buffer},
+            binding_types::{
+                storage_buffer_read_only, storage_buffer_read_only_sized, texture_2d, texture_depth_2d, uniform_buffer,
+            },
         },
         renderer::{RenderContext, ViewQuery},
         sync_world::MainEntity,
@@ -27,7 +29,7 @@ use bevy::{
 
 use super::report::{DrawnTile, VirtualMapReports};
 use crate::render::{
-    apply::ApplyUniform,
+    apply::ApplyBuffer,
     caster::pass::storage_buffer,
     gpu_types::{ApplyParameters, GpuTileMark},
     heat_map::color::STOPS,
@@ -99,7 +101,7 @@ fn init_pipeline(mut commands: Commands, fullscreen: Res<FullscreenShader>, serv
                     uniform_buffer::<ViewUniform>(true),
                     texture_depth_2d(),
                     texture_2d(TextureSampleType::Float { filterable: false }),
-                    uniform_buffer::<ApplyParameters>(false),
+                    storage_buffer_read_only::<ApplyParameters>(false),
                     storage_buffer_read_only_sized(false, None),
                 ),
             ),
@@ -125,7 +127,7 @@ impl SpecializedRenderPipeline for OverlayPipeline {
 
 fn prepare(
     mut commands: Commands,
-    cameras: Query<(Entity, &ViewTarget), (With<TileOverlay>, With<ApplyUniform>)>,
+    cameras: Query<(Entity, &ViewTarget), (With<TileOverlay>, With<ApplyBuffer>)>,
     left: Query<Entity, (With<PreparedOverlay>, Without<TileOverlay>)>,
     overlay_pipeline: Res<OverlayPipeline>,
     mut pipelines: ResMut<SpecializedRenderPipelines<OverlayPipeline>>,
@@ -146,7 +148,7 @@ fn draw(
         &ViewTarget,
         &TileOverlay,
         &PreparedOverlay,
-        &ApplyUniform,
+        &ApplyBuffer,
         &ViewPrepassTextures,
         &ViewUniformOffset,
         &MainEntity,
@@ -156,14 +158,14 @@ fn draw(
     reports: Res<VirtualMapReports>,
     mut ctx: RenderContext,
 ) {
-    let (camera, target, overlay, prepared, uniform, prepass, view_offset, main_entity) = view.into_inner();
+    let (camera, target, overlay, prepared, parameters, prepass, view_offset, main_entity) = view.into_inner();
     let report = reports.get(**main_entity).filter(|report| !report.tiles.is_empty());
     let (Some(report), Some(pipeline), Some(depth), Some(view_binding), Some(parameters)) = (
         report,
         cache.get_render_pipeline(prepared.0),
         prepass.depth_view(),
         view_uniforms.uniforms.binding(),
-        uniform.0.binding(),
+        parameters.0.binding(),
     ) else {
         return;
     };

@@ -29,7 +29,7 @@ use bevy::{
 
 use super::{TileSchedule, textures::TileTextures, tiles::TileDraw};
 use crate::render::{
-    apply::ApplyUniform,
+    apply::ApplyBuffer,
     atlas::{ATLAS_FORMAT, RESULT_FORMAT, ShadowResult},
     caster::{
         pass::{cull_casters, storage_buffer},
@@ -70,7 +70,7 @@ pub fn init_tile_pipelines(
                 uniform_buffer::<ViewUniform>(true),
                 texture_depth_2d(),
                 texture_2d(TextureSampleType::Float { filterable: false }),
-                uniform_buffer::<ApplyParameters>(false),
+                storage_buffer_read_only::<ApplyParameters>(false),
                 texture_depth_2d(),
                 storage_buffer_read_only::<GpuShadowTile>(true),
             ),
@@ -233,7 +233,7 @@ impl<'a> Recording<'a> {
             view_offset: camera.get::<ViewUniformOffset>()?.offset,
             result: camera.get()?,
             prepass: camera.get()?,
-            parameters: camera.get::<ApplyUniform>()?.0.binding()?,
+            parameters: camera.get::<ApplyBuffer>()?.0.binding()?,
             view_binding: view_uniforms.binding()?,
             apply: (layout, cache.get_render_pipeline(*apply)?),
             clear: cache.get_render_pipeline(pipelines.clear)?,

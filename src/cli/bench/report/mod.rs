@@ -285,9 +285,9 @@ fn pass_medians(passes: &BTreeMap<(String, Processor), Vec<f64>>) -> BTreeMap<St
     medians
 }
 
-/// Whether a pass draws or applies shadows.
+/// Whether a pass draws or applies shadows. One inside the span of another (with a path) is part of that.
 pub(super) fn is_of_shadows(pass: &str) -> bool {
-    pass == BEVY_SHADOW_PASS || pass.starts_with(OWN_PASSES)
+    pass == BEVY_SHADOW_PASS || (pass.starts_with(OWN_PASSES) && !pass.contains('/'))
 }
 
 /// The sum over all shadow passes; `None` where the time of one is not known.
@@ -372,6 +372,7 @@ mod tests {
             passes: [
                 pass("umbrage_draw_casters", Processor::Gpu, &[1.0, 9.0, 2.0]),
                 pass("umbrage_draw_casters", Processor::Cpu, &[50.0]),
+                pass("umbrage_virtual_map/umbrage_cull_casters", Processor::Gpu, &[100.0]),
                 pass(BEVY_SHADOW_PASS, Processor::Gpu, &[0.5]),
                 pass("main_opaque_pass_3d", Processor::Gpu, &[70.0]),
             ]
@@ -430,7 +431,7 @@ mod tests {
         assert_eq!(
             report.shadow_gpu_ms,
             Some(2.5),
-            "2 of ours, 0.5 of Bevy's, none of the main pass"
+            "2 of ours, 0.5 of Bevy's, none of the main pass, none twice"
         );
         assert_eq!(report.pass_ms["umbrage_draw_casters"].cpu, Some(50.0));
         assert_eq!(shadow_gpu_ms(&BTreeMap::new()), None);
