@@ -296,7 +296,13 @@ impl Setting {
             }
             Self::Filter => settings.filter = neighbor(FILTERS, &settings.filter, back),
             Self::Bias => settings.bias = neighbor(BIASES, &settings.bias, back),
-            Self::Path => settings.path = neighbor(PATHS, &settings.path, back),
+            Self::Path => {
+                let is_usual = settings.partitions.scheme == Partitions::scheme_of(settings.path);
+                settings.path = neighbor(PATHS, &settings.path, back);
+                if is_usual {
+                    settings.partitions.scheme = Partitions::scheme_of(settings.path);
+                }
+            }
             Self::Distance => settings.distance = neighbor(DISTANCES, &settings.distance, back),
             Self::Depths => settings.measured = neighbor(DEPTHS, &settings.measured, back),
             Self::Stable => settings.stable = neighbor(STABILITIES, &settings.stable, back),

@@ -15,6 +15,7 @@ use super::{
 use crate::maths::{
     body::{adjusted_depths, light_visible},
     bounds::Bounds,
+    drop_in::slice_depths,
     error::{LargestErrors, LightSample, largest_errors},
     fit::{FitInput, LightFit, fit_light_view},
     split::{PseudoPlanes, SplitScheme, pseudo_split_depths},
@@ -50,7 +51,8 @@ pub fn split_range(view: &ViewVolume, settings: &SunShadows, plan: &DepthPlan, v
 
 /// Split distances for a range of view depth, evaluated between two measured planes of it if some are given, else between
 /// the pseudo planes of the settings. Orthographic cameras see everything at one scale: they split uniformly, unless the
-/// distances are set by hand.
+/// distances are set by hand. On the drop-in path several logarithmic splits have a pseudo-near plane
+/// ([`maths::drop_in`](crate::maths::drop_in)).
 pub fn partition_depths(
     settings: &SunShadows,
     orthographic: bool,
@@ -63,7 +65,11 @@ pub fn partition_depths(
         scheme => scheme,
     };
     let planes = measured.unwrap_or_else(|| settings.fit.pseudo_planes());
-    pseudo_split_depths(scheme, near, far, planes, settings.partitions.count as usize)
+    let count = settings.partitions.count as usize;
+    if settings.path == ShadowPath::DropIn && count > 1 && !orthographic {
+        return slice_depths(scheme, near, far, planes, count);
+    }
+    pseudo_split_depths(scheme, near, far, planes, count)
 }
 
 /// What the frame before leaves to a camera's light views.
@@ -105,6 +111,7 @@ pub fn compute_camera_views(
         scene: scene.scene?,
         light_travel,
         settings,
+        far,
     };
     let whole = cutter.whole(near, far);
     let square = UVec2::splat(settings.map_size);
@@ -138,6 +145,8 @@ pub(super) struct Fitter<'a> {
     pub(super) light_travel: DVec3,
     /// Settings in range.
     pub(super) settings: &'a SunShadows,
+    /// View depth where what is seen ends, in metres.
+    pub(super) far: f64,
 }
 
 impl Fitter<'_> {
@@ -176,7 +185,7 @@ impl Fitter<'_> {
         let input = self.input(part, map_size);
         match self.settings.path {
             ShadowPath::Full => fit_light_view(&input).fitted(),
-            ShadowPath::DropIn => drop_in::fit(input, self.settings.bias),
+            ShadowPath::DropIn => drop_in::fit(&input, self.settings, self.far),
         }
     }
 

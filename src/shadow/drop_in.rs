@@ -32,7 +32,10 @@ use super::{
     settings::{ShadowBias, SunShadows},
     views::{LightView, SunViews},
 };
-use crate::maths::fit::{FitInput, LightFit, fit_light_view};
+use crate::maths::{
+    drop_in::{LookupRoom, fit_slice_with_room, fit_with_room},
+    fit::{FitInput, LightFit},
+};
 
 /// Texels that Bevy's widest filter (a Gaussian over 5×5) reads beyond a point, and one for rounding.
 pub(super) const GUARD_TEXELS: f64 = 4.0;
@@ -81,21 +84,19 @@ pub(super) fn caster_depth_bias(fit: &LightFit, bias: ShadowBias, light_travel: 
     caster_texels(bias, light_travel) * fit.relative_texel_size * fit.depth_per_metre
 }
 
-/// Fits a light view with room for Bevy's filter and normal bias.
-pub(super) fn fit(input: FitInput, bias: ShadowBias) -> Option<LightFit> {
-    let (_, normal_bias) = biases(bias);
-    let input = FitInput {
-        guard_texels: GUARD_TEXELS,
-        ..input
+/// Fits a light view with room for Bevy's filter and normal bias; `view_far` is where the whole view ends. Slices are fitted
+/// for their largest error; a single map, whose near end has most of the pixels, is not.
+pub(super) fn fit(input: &FitInput, settings: &SunShadows, view_far: f64) -> Option<LightFit> {
+    let (_, normal_bias) = biases(settings.bias);
+    let room = LookupRoom {
+        filter_texels: GUARD_TEXELS,
+        normal_texels: f64::from(normal_bias) * std::f64::consts::SQRT_2,
     };
-    let first = fit_light_view(&input).fitted()?;
-    if normal_bias == 0.0 {
-        return Some(first);
+    if settings.partitions.count > 1 {
+        fit_slice_with_room(input, &room, view_far).fitted()
+    } else {
+        fit_with_room(input, &room).fitted()
     }
-    let moved_by = f64::from(normal_bias) * std::f64::consts::SQRT_2 * first.near_texel_size;
-    // The room itself makes texels a little larger.
-    let guard_metres = moved_by * 1.1;
-    fit_light_view(&FitInput { guard_metres, ..input }).fitted()
 }
 
 /// A light view as one of Bevy's cascades.

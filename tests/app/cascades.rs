@@ -5,17 +5,73 @@ use bevy::{
     light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap},
     prelude::*,
 };
-use umbrage::shadow::{
-    full::{MASK_BOUND, mask_cascade},
-    settings::{Partitions, ShadowBias, ShadowPath, SunShadows},
+use umbrage::{
+    maths::{
+        drop_in::{LookupRoom, fit_slice_with_room, slice_depths},
+        fit::{FitInput, FitOptions},
+        split::{PseudoPlanes, SplitScheme},
+        warp::Warp,
+    },
+    shadow::{
+        full::{MASK_BOUND, mask_cascade},
+        settings::{Partitions, ShadowBias, ShadowPath, SunShadows},
+        view_volume::view_volume,
+    },
 };
 
 use crate::support::{app, cascades, spawn_camera, spawn_sun, spawn_town, views};
 
 fn drop_in() -> SunShadows {
-    SunShadows {
-        path: ShadowPath::DropIn,
-        ..SunShadows::HIGH
+    SunShadows::DROP_IN
+}
+
+/// The slices that `maths::drop_in` promises something of are those that the path has, split and fitted.
+#[test]
+fn drop_in_slices_are_those_of_the_promise() {
+    let mut app = app();
+    spawn_town(&mut app);
+    let camera = spawn_camera(&mut app);
+    let sun = spawn_sun(&mut app, drop_in());
+    app.update();
+    let views = views(&app, sun, camera).expect("the camera sees the town");
+    let (near, far) = (f64::from(views.near_depth), f64::from(views.far_depth));
+    let planes = PseudoPlanes {
+        near: f64::NAN,
+        far: f64::NAN,
+    };
+    let depths = slice_depths(&SplitScheme::Logarithmic, near, far, planes, 4);
+    let (projection, transform) = (
+        app.world().get::<Projection>(camera).expect("a lens"),
+        app.world().get::<GlobalTransform>(camera).expect("placed"),
+    );
+    let view = view_volume(projection, transform).expect("a view");
+    let light = app.world().get::<GlobalTransform>(sun).expect("placed");
+    let room = LookupRoom {
+        filter_texels: 4.0,
+        normal_texels: 0.4 * std::f64::consts::SQRT_2,
+    };
+    for (partition, range) in views.partitions.iter().zip(depths.windows(2)) {
+        let found = [partition.light_view.near_depth, partition.light_view.far_depth];
+        assert!(
+            (f64::from(found[0]) - range[0]).abs() < 1.0e-4 * range[0],
+            "{found:?}, not {range:?}"
+        );
+        let slice = view.split(range[0], range[1]);
+        let input = FitInput {
+            view: &slice,
+            visible: &partition.visible,
+            body: &partition.body,
+            light_travel: light.forward().as_dvec3(),
+            warp: Warp::Lispsm,
+            map_size: UVec2::splat(2048),
+            guard_texels: 0.0,
+            guard_metres: 0.0,
+            options: FitOptions::default(),
+        };
+        let fit = fit_slice_with_room(&input, &room, far).fitted().expect("a light view");
+        let difference = fit.clip_from_world_f32() - partition.light_view.clip_from_world;
+        let largest = difference.to_cols_array().into_iter().map(f32::abs).fold(0.0, f32::max);
+        assert!(largest < 1.0e-3, "{range:?}: {largest}");
     }
 }
 

@@ -3,7 +3,7 @@
 use bevy_math::{DMat2, DVec2, DVec3, UVec2};
 use umbrage::maths::{
     body::{intersection_body, light_visible},
-    drop_in::{LookupRoom, fit_with_room, level_near, slice_depths},
+    drop_in::{LookupRoom, fit_slice_with_room, level_near, slice_depths},
     fit::{FitInput, FitOptions, LightFit},
     footprint::texel_footprint,
     split::{PseudoPlanes, SplitScheme, split_depths},
@@ -127,7 +127,9 @@ fn of_pose(view: &ViewVolume, light_travel: DVec3, depths: &[f64], warp: Warp) -
             guard_metres: 0.0,
             options: FitOptions::default(),
         };
-        let fit = fit_with_room(&input, &room, view.far()).fitted().expect("a light view");
+        let fit = fit_slice_with_room(&input, &room, view.far())
+            .fitted()
+            .expect("a light view");
         let outline = visible.vertices().iter().map(|vertex| {
             let place = fit.clip_from_world.project_point3(*vertex);
             assert!(place.abs().max_element() <= 1.0, "{place} is not in the map");

@@ -74,6 +74,7 @@ pub fn compute_light_plane_views(
         scene: input.scene.scene?,
         light_travel: input.light_travel,
         settings,
+        far,
     };
     let films = Films { input, fitter, whole };
     let held = memory.held;

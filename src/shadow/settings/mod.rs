@@ -300,11 +300,18 @@ impl SunShadows {
     /// Four warped maps of 4096², 256 MiB.
     pub const ULTRA: Self = Self::preset(4, 4096);
 
+    /// Four warped maps of 2048² on the drop-in path, which splits the view in its own way ([`Partitions::scheme_of`]).
+    pub const DROP_IN: Self = Self::preset_of(ShadowPath::DropIn, 4, 2048);
+
     const fn preset(count: u32, map_size: u32) -> Self {
+        Self::preset_of(ShadowPath::Full, count, map_size)
+    }
+
+    const fn preset_of(path: ShadowPath, count: u32, map_size: u32) -> Self {
         Self {
-            path: ShadowPath::Full,
+            path,
             maps: ShadowMaps::Partitions,
-            partitions: Partitions::slices(count),
+            partitions: Partitions::slices_of(path, count),
             warp: Warp::Lispsm,
             light_planes: None,
             fit: FitSettings::BEST,

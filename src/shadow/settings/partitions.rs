@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::ShadowPath;
 use crate::maths::split::SplitScheme;
 
 /// How the view frustum is cut, one map for each part.
@@ -68,17 +69,34 @@ impl Default for Partitions {
 }
 
 impl Partitions {
-    /// The default split. Measured with four warped maps on the tuning shots of forest and city (far plane 500 m, 480x270;
+    /// The default split of the full path. Measured with four warped maps on the tuning shots of forest and city (far plane 500 m, 480x270;
     /// wrong pixels in percent): lambda 0.8 0.386 and 1.654, 0.9 0.390 and 0.905, 0.94 0.375 and 0.968, 0.97 0.345 and
     /// 1.073, 0.99 0.337 and 1.107.
     pub const SCHEME: SplitScheme = SplitScheme::Practical { lambda: 0.9 };
 
-    /// So many z-partitions.
+    /// The default split of a path. The drop-in path splits logarithmically, which keeps the largest texel ÷ pixel of all
+    /// slices alike: Bevy's lookup reads the map of the slice and no finer one, and a pseudo-near plane takes the place of
+    /// the share of uniform splits that keeps the first slice long enough ([`maths::drop_in`](crate::maths::drop_in)).
+    #[must_use]
+    pub const fn scheme_of(path: ShadowPath) -> SplitScheme {
+        match path {
+            ShadowPath::Full => Self::SCHEME,
+            ShadowPath::DropIn => SplitScheme::Logarithmic,
+        }
+    }
+
+    /// So many z-partitions of the full path.
     #[must_use]
     pub const fn slices(count: u32) -> Self {
+        Self::slices_of(ShadowPath::Full, count)
+    }
+
+    /// So many z-partitions with the default split of a path.
+    #[must_use]
+    pub const fn slices_of(path: ShadowPath, count: u32) -> Self {
         Self {
             count,
-            scheme: Self::SCHEME,
+            scheme: Self::scheme_of(path),
             faces: Faces::Together,
             etas: Vec::new(),
             resolution: MapResolution::Equal,

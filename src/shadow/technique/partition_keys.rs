@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     maths::{split::SplitScheme, warp::Warp},
-    shadow::settings::{Faces, MapResolution, PartitionSelection, SunShadows},
+    shadow::settings::{Faces, MapResolution, PartitionSelection, Partitions, SunShadows},
 };
 
 pub(super) const TOPIC: Topic = Topic {
@@ -114,7 +114,7 @@ fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitSch
         Some(Kind::Log) => Ok(SplitScheme::Logarithmic),
         Some(Kind::Uniform) => Ok(SplitScheme::Uniform),
         Some(Kind::Practical) => Ok(SplitScheme::Practical {
-            lambda: lambda.unwrap_or(match default {
+            lambda: lambda.unwrap_or(match Partitions::SCHEME {
                 SplitScheme::Practical { lambda } => lambda,
                 _ => 0.5,
             }),
@@ -131,7 +131,7 @@ fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitSch
 
 fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     let mut pairs = Vec::new();
-    if settings.partitions.scheme != default.partitions.scheme {
+    if settings.partitions.scheme != Partitions::scheme_of(settings.path) {
         pairs.push(match &settings.partitions.scheme {
             SplitScheme::Logarithmic => "split=log".to_owned(),
             SplitScheme::Uniform => "split=uniform".to_owned(),

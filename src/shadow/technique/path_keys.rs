@@ -7,7 +7,7 @@ use super::{
 use crate::shadow::{
     checked::MAP_SIZES,
     layout::cells_per_side,
-    settings::{CasterPasses, Faces, ShadowPath, SunShadows},
+    settings::{CasterPasses, Faces, Partitions, ShadowPath, SunShadows},
 };
 
 /// Side of the largest texture that every desktop adapter has.
@@ -30,6 +30,9 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
         "dropin" => Some(ShadowPath::DropIn),
         _ => None,
     })? {
+        if settings.path != path {
+            settings.partitions.scheme = Partitions::scheme_of(path);
+        }
         settings.path = path;
     }
     if settings.path == ShadowPath::DropIn {
