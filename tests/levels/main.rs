@@ -1,5 +1,6 @@
 //! Levels: files, errors, generators, and loading in a headless app without a renderer.
 
+mod cells;
 mod files;
 mod generators;
 mod loading;
