@@ -16,6 +16,7 @@ pub mod cover;
 pub mod find;
 pub mod forest;
 pub mod format;
+pub mod gltf_lods;
 pub mod ground;
 pub mod grove;
 pub mod inhabitants;

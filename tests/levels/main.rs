@@ -3,5 +3,6 @@
 mod cells;
 mod files;
 mod generators;
+mod gltf_lods;
 mod loading;
 mod sources;
