@@ -287,7 +287,9 @@ mod tests {
                 let boxes = [0, 1, 2].map(|level| build_level(tree, variant, level).bounds().unwrap());
                 for (min, max) in &boxes[1..] {
                     let off = (*min - boxes[0].0).abs().max((*max - boxes[0].1).abs()).max_element();
-                    assert!(off < 0.12 * height(tree), "{tree:?} {variant}: {off} m, {boxes:?}");
+                    // Three branches stand for the nine of a dead tree.
+                    let share = if tree == SimpleTree::Dead { 0.2 } else { 0.12 };
+                    assert!(off < share * height(tree), "{tree:?} {variant}: {off} m, {boxes:?}");
                 }
             }
         }
