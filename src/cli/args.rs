@@ -179,6 +179,12 @@ pub struct Bench {
     /// Print ratios to this technique, which is measured in the same run
     #[arg(long, value_name = "T")]
     pub against: Option<NamedTechnique>,
+    /// The scene of the technique that ratios are printed to, measured after the others: the same one in another form
+    #[arg(long, value_name = "SCENE", requires = "against")]
+    pub against_scene: Option<SceneSource>,
+    /// The kind of transition of the technique that ratios are printed to, measured after the others
+    #[arg(long, value_name = "KIND", value_parser = lod_kind, requires = "against")]
+    pub against_lod: Option<LodKind>,
     /// How levels of detail take each other's place: hard, late, plain, dither or unpopping
     #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
     pub lod: LodKind,

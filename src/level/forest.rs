@@ -46,6 +46,7 @@ pub fn generate(level: &Level, forest: &Forest) -> Scenery {
     Scenery {
         statics,
         placements,
+        grove: None,
         ground: Ground::new(Surface::Hills(Box::new(terrain)), Vec::new(), blockers),
     }
 }

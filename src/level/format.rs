@@ -160,6 +160,16 @@ pub struct StressTrees {
     pub count: u32,
     /// Lattice spacing.
     pub spacing: f32,
+    /// Whether far trees are drawn cell by cell (default), or every tree is an entity.
+    #[serde(default = "yes")]
+    pub cells: bool,
+    /// Wind in metres per second, 0 (default) to 30; only in cells.
+    #[serde(default)]
+    pub wind: f32,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// The ground.

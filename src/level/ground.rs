@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bevy_math::{Rot2, Vec2, Vec3};
 
-use super::terrain::Terrain;
+use super::{grove::Grove, land::Land, terrain::Terrain};
 
 /// Side of a cell of the look-up grid in metres.
 const GRID: f32 = 8.0;
@@ -19,6 +19,8 @@ pub struct Ground {
     blockers: Vec<Blocker>,
     steps_at: HashMap<[i32; 2], Vec<u32>>,
     blockers_at: HashMap<[i32; 2], Vec<u32>>,
+    /// Trees whose trunks are worked out where a walker is.
+    grove: Option<Grove>,
 }
 
 /// The ground itself.
@@ -28,6 +30,8 @@ pub enum Surface {
     Flat(f32),
     /// Hills.
     Hills(Box<Terrain>),
+    /// Rolling ground of any size.
+    Land(Land),
 }
 
 impl Default for Surface {
@@ -149,9 +153,21 @@ impl Ground {
         self
     }
 
+    /// The same with a grove on it.
+    #[must_use]
+    pub fn with_grove(mut self, grove: Grove) -> Self {
+        self.grove = Some(grove);
+        self
+    }
+
     /// Extent along x and z, centred on the origin; `None` where there is no end.
     pub fn extent(&self) -> Option<Vec2> {
-        self.extent.or_else(|| self.terrain().map(Terrain::size))
+        let own = || match &self.surface {
+            Surface::Flat(_) => None,
+            Surface::Hills(terrain) => Some(terrain.size()),
+            Surface::Land(land) => Some(land.size()),
+        };
+        self.extent.or_else(own)
     }
 
     /// A plane without obstacles.
@@ -162,7 +178,7 @@ impl Ground {
     /// The hills, where there are any.
     pub fn terrain(&self) -> Option<&Terrain> {
         match &self.surface {
-            Surface::Flat(_) => None,
+            Surface::Flat(_) | Surface::Land(_) => None,
             Surface::Hills(terrain) => Some(terrain),
         }
     }
@@ -173,6 +189,7 @@ impl Ground {
         let ground = match &self.surface {
             Surface::Flat(height) => *height,
             Surface::Hills(terrain) => terrain.height(p),
+            Surface::Land(land) => land.height(p),
         };
         let cell = (p / GRID).floor().as_ivec2().to_array();
         let near = self
@@ -190,6 +207,7 @@ impl Ground {
         match &self.surface {
             Surface::Flat(_) => Vec3::Y,
             Surface::Hills(terrain) => terrain.normal(Vec2::new(x, z)),
+            Surface::Land(land) => land.normal(Vec2::new(x, z)),
         }
     }
 
@@ -198,21 +216,23 @@ impl Ground {
         &self.steps
     }
 
-    /// All obstacles.
+    /// All obstacles, without the trunks of a grove.
     pub fn blockers(&self) -> &[Blocker] {
         &self.blockers
     }
 
     /// The obstacles whose outlines come nearer to (x, z) than `reach` metres, each once, in the order of
-    /// [`Ground::blockers`]. Their heights are not asked.
-    pub fn blockers_near(&self, p: Vec2, reach: f32) -> Vec<&Blocker> {
+    /// [`Ground::blockers`], then the trunks of a grove. Their heights are not asked.
+    pub fn blockers_near(&self, p: Vec2, reach: f32) -> Vec<Blocker> {
         let corner = Vec2::splat(reach);
         let in_cells = cells(p - corner, p + corner).filter_map(|cell| self.blockers_at.get(&cell));
         let mut indices: Vec<u32> = in_cells.flatten().copied().collect();
         indices.sort_unstable();
         indices.dedup();
-        let blockers = indices.into_iter().map(|i| &self.blockers[i as usize]);
-        blockers.filter(|blocker| blocker.outwards(p).0 < reach).collect()
+        let blockers = indices.into_iter().map(|i| self.blockers[i as usize]);
+        let trunks = self.grove.iter().flat_map(|grove| grove.blockers_near(p, reach));
+        let near = blockers.filter(|blocker| blocker.outwards(p).0 < reach);
+        near.chain(trunks).collect()
     }
 }
 
@@ -274,7 +294,7 @@ mod tests {
             blocker(Vec2::new(90.0, 0.0), trunk),
         ];
         let ground = Ground::new(Surface::Flat(0.0), vec![], blockers.clone());
-        let near = |p: Vec2, reach| ground.blockers_near(p, reach).into_iter().copied().collect::<Vec<_>>();
+        let near = |p: Vec2, reach| ground.blockers_near(p, reach);
         assert_eq!(near(Vec2::ZERO, 10.0), blockers[..2]);
         assert_eq!(near(Vec2::new(89.0, 0.0), 0.6), blockers[2..]);
         assert_eq!(near(Vec2::new(89.0, 0.0), 0.4), []);

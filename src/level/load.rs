@@ -18,6 +18,7 @@ use super::{
     find::{AssetRoot, EXTENSION},
     format::{CameraPath, Level, Spawn, SunSettings},
     ground::Ground,
+    grove::Grove,
     inhabitants,
     library::{self, ModelAssets},
     load_gltf::GltfJob,
@@ -122,6 +123,7 @@ pub(super) struct SpawnJob {
     level: Box<Level>,
     palette: Palette,
     placements: Vec<super::model::Placement>,
+    grove: Option<Grove>,
     ground: Ground,
     next: usize,
 }
@@ -254,6 +256,7 @@ pub(super) fn advance_level(
                         level: level.clone(),
                         palette,
                         placements: std::mem::take(&mut prepared.placements),
+                        grove: prepared.grove,
                         ground: std::mem::take(&mut prepared.ground),
                         next: 0,
                     })))
@@ -274,6 +277,9 @@ pub(super) fn advance_level(
             if let Some(graphs) = &mut graphs {
                 let of_level = (&spawn.level.inhabitants[..], &spawn.ground, spawn.level.seed);
                 inhabitants::spawn(&mut commands, &mut assets, graphs, &mut spawn.palette, of_level);
+            }
+            if let Some(grove) = spawn.grove {
+                spawn.palette.spawn_grove(&mut commands, grove);
             }
             let mut scene = loaded(&spawn.level, std::mem::take(&mut spawn.ground));
             scene.notes.extend_from_slice(spawn.palette.notes());

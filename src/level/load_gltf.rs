@@ -1,4 +1,4 @@
-//! glTF files as scenes: spawned as they are, with a sun of ours and a shot that frames them.
+//! glTF files as scenes: spawned as they are, with their levels of detail, a sun of ours and a shot that frames them.
 
 use std::{collections::HashMap, path::Path};
 
@@ -12,6 +12,7 @@ use bevy::{
 
 use super::{
     format::{Air, Spawn, SunSettings},
+    gltf_lods::{self, GltfScene},
     ground::Ground,
     load::{Job, LevelEntity, LoadedScene, SceneStatus, loading, one_sentence},
     shot::Shot,
@@ -27,7 +28,12 @@ pub(super) enum GltfJob {
         name: String,
     },
     /// Waiting for its entities.
-    Instance { root: Entity, file: String, name: String },
+    Instance {
+        root: Entity,
+        handle: Handle<Gltf>,
+        file: String,
+        name: String,
+    },
 }
 
 /// On the root of a glTF scene whose entities are all there.
@@ -38,7 +44,11 @@ impl GltfJob {
     pub(super) fn start(server: &AssetServer, path: &Path) -> Self {
         // Bevy would look for relative paths in its assets folder.
         let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-        let settings = |settings: &mut GltfLoaderSettings| settings.load_cameras = false;
+        let settings = |settings: &mut GltfLoaderSettings| {
+            settings.load_cameras = false;
+            // Which nodes are levels of others is said by an extension that Bevy does not read.
+            settings.include_source = true;
+        };
         Self::File {
             handle: server
                 .load_builder()
@@ -59,6 +69,7 @@ pub(super) fn advance_gltf(
     instanced: Query<(), With<Instanced>>,
     children: Query<&Children>,
     parts: Query<(&Mesh3d, &GlobalTransform)>,
+    mut scene: GltfScene,
     mut job: ResMut<Job>,
     mut status: ResMut<SceneStatus>,
 ) {
@@ -74,9 +85,9 @@ pub(super) fn advance_gltf(
                 (_, RecursiveDependencyLoadState::Loaded, Some(gltf)) => {
                     match gltf.default_scene.as_ref().or(gltf.scenes.first()) {
                         None => Err(format!("{file} holds no scene: export one that has nodes")),
-                        Some(scene) => {
+                        Some(world) => {
                             let root = commands
-                                .spawn((WorldAssetRoot(scene.clone()), Name::new(name.clone()), LevelEntity))
+                                .spawn((WorldAssetRoot(world.clone()), Name::new(name.clone()), LevelEntity))
                                 .observe(|ready: On<WorldInstanceReady>, mut commands: Commands| {
                                     commands.entity(ready.entity).insert(Instanced);
                                 })
@@ -84,6 +95,7 @@ pub(super) fn advance_gltf(
                             *status = loading(700, format!("Placing {name}"));
                             Ok(Job::Gltf(GltfJob::Instance {
                                 root,
+                                handle: handle.clone(),
                                 file: std::mem::take(file),
                                 name: std::mem::take(name),
                             }))
@@ -97,7 +109,12 @@ pub(super) fn advance_gltf(
                 }
             }
         }
-        GltfJob::Instance { root, file, name } => {
+        GltfJob::Instance {
+            root,
+            handle,
+            file,
+            name,
+        } => {
             // The marker came after the last Update; transforms were propagated since.
             if !instanced.contains(*root) {
                 return;
@@ -110,6 +127,19 @@ pub(super) fn advance_gltf(
                     "{file} holds no triangles with finite positions: export one that has meshes"
                 )),
                 Some((min, max)) => {
+                    let mut notes = vec![format!(
+                        "{file} has no shots: using one named {SHOT} that frames its bounds, and a sun at 45 degrees"
+                    )];
+                    let gltf = files.as_ref().and_then(|files| files.get(&*handle));
+                    if let Some((gltf, source)) = gltf.and_then(|gltf| Some((gltf, gltf.source.as_ref()?))) {
+                        let document = source.as_json();
+                        let (chains, problems) = gltf_lods::chains(document);
+                        notes.extend(problems.into_iter().map(|problem| format!("{file}: {problem}")));
+                        let bounds_of = |entities: &[Entity]| {
+                            bounds(entities.iter().filter_map(|entity| parts.get(*entity).ok()), &meshes)
+                        };
+                        scene.make_chains(&mut commands, (gltf, document), *root, chains, bounds_of);
+                    }
                     let mut air = Air::default();
                     // Whatever a unit is, haze shall not hide the scene.
                     air.visibility = air.visibility.max(CLEAR_SIZES * (max - min).length());
@@ -130,9 +160,7 @@ pub(super) fn advance_gltf(
                         sun,
                         ground: Ground::flat(min.y),
                         paths: Vec::new(),
-                        notes: vec![format!(
-                            "{file} has no shots: using one named {SHOT} that frames its bounds, and a sun at 45 degrees"
-                        )],
+                        notes,
                         name: std::mem::take(name),
                     });
                     *status = SceneStatus::Ready;

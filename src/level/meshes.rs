@@ -139,6 +139,27 @@ impl MeshData {
         }
     }
 
+    /// Adds two pyramids on a common base, smooth and with as few corners as can be: `waist` is the share of the way where it
+    /// is thickest, and its radius; colours at both ends and between. At least three sides.
+    pub fn push_spindle(&mut self, ends: [Vec3; 2], waist: (f32, f32), sides: u32, colors: [Rgb; 3]) {
+        let [from, to] = ends;
+        let [x, y, z] = frame(to - from);
+        let center = from.lerp(to, waist.0);
+        let tips = [(from, -y, colors[0]), (to, y, colors[2])];
+        let [low, high] = tips.map(|(tip, normal, color)| self.push_vertex(tip, normal, color, Vec2::ZERO));
+        let first = high + 1;
+        for i in 0..sides {
+            let (sin, cos) = (i as f32 / sides as f32 * std::f32::consts::TAU).sin_cos();
+            let out = x * cos + z * sin;
+            self.push_vertex(center + out * waist.1, out, colors[1], Vec2::ZERO);
+        }
+        for i in 0..sides {
+            let (a, b) = (first + i, first + (i + 1) % sides);
+            // Around: z comes before x, so that outside is the front.
+            self.indices.extend([b, a, high, low, a, b]);
+        }
+    }
+
     /// Adds a skirt of a fir: a cone with a jagged rim and a hollow underside. `jag` is the share of the radius that
     /// every second corner falls short of; the rim hangs by `droop`.
     pub fn push_skirt(&mut self, foot: Vec3, height: f32, radius: f32, shape: SkirtShape, color: Rgb) {
@@ -364,6 +385,11 @@ pub(super) mod tests {
         let mut mesh = MeshData::default();
         mesh.push_bar(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.5), 0.1, white);
         assert_solid(&mesh, "bar");
+        for to in [Vec3::Y * 3.0, Vec3::new(1.0, -2.0, 0.5)] {
+            let mut mesh = MeshData::default();
+            mesh.push_spindle([Vec3::ZERO, to], (0.3, 0.8), 5, [white; 3]);
+            assert_solid(&mesh, "spindle");
+        }
         let mut mesh = MeshData::default();
         let shape = SkirtShape {
             points: 7,

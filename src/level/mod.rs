@@ -16,8 +16,11 @@ pub mod cover;
 pub mod find;
 pub mod forest;
 pub mod format;
+pub mod gltf_lods;
 pub mod ground;
+pub mod grove;
 pub mod inhabitants;
+pub mod land;
 pub mod library;
 mod load;
 mod load_gltf;
@@ -66,6 +69,7 @@ impl Plugin for LevelPlugin {
             .add_plugins(cover::plugin)
             .add_plugins(sky::plugin)
             .add_plugins(inhabitants::plugin)
+            .add_plugins(grove::field::plugin)
             .add_systems(
                 Update,
                 (load::reload, load::start, load::advance_level, load_gltf::advance_gltf)

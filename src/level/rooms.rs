@@ -1,17 +1,16 @@
-//! Analytic rooms and the instancing test: a plain ground with few or very many simple things on it.
+//! Analytic rooms, a plain ground with few simple things on it, and the instancing test, land with very many.
 
 use bevy_math::{Vec2, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 use super::{
     format::{Level, Room, StressTrees},
     ground::{Ground, Surface},
+    grove::{self, Grove},
+    land::Land,
     meshes::MeshData,
     model::{Model, Placement},
     props,
     scenery::{Scenery, Static},
-    simple_trees::{SimpleTree, VARIANTS},
 };
 
 /// Generates a room.
@@ -109,31 +108,29 @@ const WALL: f32 = 0.3;
 /// Thickness of a card, metres.
 const CARD: f32 = 0.02;
 
-/// Generates the instancing test: conifers, birches and dead trees on a square lattice.
+/// Generates the instancing test: conifers, birches and dead trees on a square lattice over rolling land.
 pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
-    let side = (trees.count as f32).sqrt().ceil() as u32;
-    let extent = side as f32 * trees.spacing;
-    let mut rng = ChaCha8Rng::seed_from_u64(level.seed);
-    let placements = (0..trees.count)
-        .map(|i| {
-            let lattice = Vec2::new((i % side) as f32, (i / side) as f32) + 0.5;
-            let p = lattice * trees.spacing - 0.5 * extent;
-            let tree = [
-                SimpleTree::Conifer,
-                SimpleTree::Birch,
-                SimpleTree::Conifer,
-                SimpleTree::Dead,
-            ][rng.random_range(0..4)];
-            let model = Model::SimpleTree(tree, rng.random_range(0..VARIANTS));
-            let yaw = rng.random_range(0.0..std::f32::consts::TAU);
-            Placement {
-                scale: Vec3::splat(rng.random_range(0.8..1.2)),
-                ..Placement::upright(model, Vec3::new(p.x, 0.0, p.y), yaw)
-            }
-        })
-        .collect();
+    let extent = grove::side(trees.count) as f32 * trees.spacing;
     let size = level.terrain.size.max(Vec2::splat(extent + 20.0));
-    finish(size, vec![plane(size)], placements)
+    let land = Land::new(size, level.terrain.hills, level.seed);
+    let grove = Grove::new(trees.count, trees.spacing, level.seed, land).in_wind(trees.wind);
+    let tiles = land.tiles().into_iter();
+    let statics = tiles.map(|mesh| Static::colored("land", mesh)).collect();
+    let ground = Ground::new(Surface::Land(land), Vec::new(), Vec::new()).with_grove(grove);
+    if trees.cells {
+        return Scenery {
+            statics,
+            placements: Vec::new(),
+            grove: Some(grove),
+            ground,
+        };
+    }
+    Scenery {
+        statics,
+        placements: grove.trees().collect(),
+        grove: None,
+        ground,
+    }
 }
 
 fn finish(size: Vec2, statics: Vec<Static>, placements: Vec<Placement>) -> Scenery {
@@ -141,6 +138,7 @@ fn finish(size: Vec2, statics: Vec<Static>, placements: Vec<Placement>) -> Scene
     Scenery {
         statics,
         placements,
+        grove: None,
         ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers).within(size),
     }
 }

@@ -6,6 +6,7 @@ use super::{
     forest,
     format::{Generator, Level},
     ground::Ground,
+    grove::Grove,
     meshes::MeshData,
     model::Placement,
     rooms,
@@ -18,6 +19,8 @@ pub struct Scenery {
     pub statics: Vec<Static>,
     /// Everything else.
     pub placements: Vec<Placement>,
+    /// Trees that are drawn cell by cell.
+    pub grove: Option<Grove>,
     /// What a walker stands on.
     pub ground: Ground,
 }

@@ -18,11 +18,16 @@ use bevy::{
 use super::{
     buildings::{self, Building},
     cover::{self, Cover, CoverMaterial, TILES},
+    grove::{
+        Grove, blocks,
+        field::{CellField, TreeLooks},
+    },
     library::{Library, placeholder},
     load::LevelEntity,
     meshes::MeshData,
     model::{Model, Placement, Tint},
     scenery::{Finish, Scenery},
+    simple_trees::{self, LEVEL_ENDS, LEVELS},
 };
 use crate::{
     forge::city::facade::assemble::Shared,
@@ -53,12 +58,16 @@ pub struct Prepared {
     pub statics: Vec<(&'static str, ReadyMesh, Finish)>,
     /// Every model that is built here.
     pub models: Vec<(Model, ReadyMesh)>,
+    /// The levels of all simple trees, in the order of [`blocks::models`]; empty where there are none.
+    pub trees: Vec<Vec<ReadyMesh>>,
     /// Every storey and roof that buildings share, with the camera distances in metres of each level of detail.
     pub shared: Vec<(Shared, Vec<(ReadyMesh, Range<f32>)>)>,
     /// Every model file that is needed, without extension.
     pub files: BTreeSet<&'static str>,
     /// Everything that stands somewhere.
     pub placements: Vec<Placement>,
+    /// Trees that are drawn cell by cell.
+    pub grove: Option<Grove>,
     /// What a walker stands on.
     pub ground: super::ground::Ground,
 }
@@ -68,6 +77,7 @@ impl Prepared {
     pub fn new(scenery: Scenery, report: impl Fn(f32)) -> Self {
         let (mut models, mut files, mut shared) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
         let mut seen = HashSet::new();
+        let mut has_trees = scenery.grove.is_some();
         for placement in &scenery.placements {
             if seen.insert(placement.model) {
                 if let Model::Building(building) = placement.model {
@@ -77,6 +87,7 @@ impl Prepared {
                     Some(asset) => {
                         files.insert(asset.file);
                     }
+                    None if blocks::index(placement.model).is_some() => has_trees = true,
                     None => models.push(placement.model),
                 }
             }
@@ -99,7 +110,12 @@ impl Prepared {
             let ready = levels.filter_map(|(mesh, range)| Some((ReadyMesh::new(mesh)?, range)));
             (part, ready.collect())
         };
+        let tree = |(kind, variant)| {
+            let levels = (0..LEVELS).map(|level| simple_trees::build_level(kind, variant, level));
+            levels.filter_map(ReadyMesh::new).collect()
+        };
         Self {
+            trees: blocks::models().filter(|_| has_trees).map(tree).collect(),
             models: models.into_iter().enumerate().filter_map(build).collect(),
             shared: shared.into_iter().enumerate().map(levels).collect(),
             files,
@@ -109,6 +125,7 @@ impl Prepared {
                 .filter_map(|part| Some((part.name, ReadyMesh::new(part.mesh)?, part.finish)))
                 .collect(),
             placements: scenery.placements,
+            grove: scenery.grove,
             ground: scenery.ground,
         }
     }
@@ -148,6 +165,7 @@ pub struct Palette {
     solid: Handle<StandardMaterial>,
     water: Handle<StandardMaterial>,
     models: HashMap<Model, (Handle<Mesh>, Aabb)>,
+    trees: Vec<Vec<(Handle<Mesh>, Aabb)>>,
     shared: HashMap<Shared, Vec<((Handle<Mesh>, Aabb), Range<f32>)>>,
     library: Library,
     stand_in: (Handle<Mesh>, Aabb),
@@ -168,6 +186,7 @@ impl Palette {
     pub fn new(assets: &mut LevelAssets, prepared: &mut Prepared, library: Library) -> Self {
         let stand_in = placeholder::striped_box();
         let models = std::mem::take(&mut prepared.models);
+        let trees = std::mem::take(&mut prepared.trees);
         let mut add = |ready: ReadyMesh| (assets.meshes.add(ready.mesh), ready.aabb);
         let shared = std::mem::take(&mut prepared.shared).into_iter().map(|(part, levels)| {
             let levels = levels.into_iter().map(|(ready, range)| (add(ready), range));
@@ -175,6 +194,15 @@ impl Palette {
         });
         Self {
             shared: shared.collect(),
+            trees: trees
+                .into_iter()
+                .map(|levels| {
+                    let levels = levels.into_iter();
+                    levels
+                        .map(|ready| (assets.meshes.add(ready.mesh), ready.aabb))
+                        .collect()
+                })
+                .collect(),
             solid: assets.materials.add(StandardMaterial {
                 perceptual_roughness: 0.95,
                 reflectance: 0.25,
@@ -251,6 +279,15 @@ impl Palette {
         }
     }
 
+    /// Spawns trees that are drawn cell by cell.
+    pub fn spawn_grove(&self, commands: &mut Commands, grove: Grove) {
+        let looks = TreeLooks {
+            meshes: self.trees.clone(),
+            material: self.solid.clone(),
+        };
+        commands.spawn((Name::new("grove"), CellField::new(grove, looks), LevelEntity));
+    }
+
     /// Spawns placements: one entity for a model that is built here, one per material and level of detail for a file's, and a chain
     /// that chooses among the levels.
     pub fn spawn(&mut self, commands: &mut Commands, assets: &mut LevelAssets, placements: &[Placement]) {
@@ -267,7 +304,13 @@ impl Palette {
                 (mesh, material, *aabb, transform, LevelEntity, TransmittedShadowReceiver)
             };
             let Some(asset) = placement.model.asset() else {
-                if let Some(model) = self.models.get(&placement.model) {
+                if let Some(levels) = blocks::index(placement.model).and_then(|index| self.trees.get(index)) {
+                    let starts = [0.0].into_iter().chain(LEVEL_ENDS);
+                    let ends = LEVEL_ENDS.into_iter().chain([f32::INFINITY]);
+                    let ranges = starts.zip(ends).map(|(from, to)| from..to);
+                    let parts = levels.iter().map(|level| vec![drawn(level, &self.solid, transform)]);
+                    batch.add(transform, parts.zip(ranges).collect(), LodMetric::Distance);
+                } else if let Some(model) = self.models.get(&placement.model) {
                     batch.always.push(drawn(model, &self.solid, transform));
                 }
                 continue;
@@ -301,7 +344,7 @@ impl Palette {
                 }
                 levels.push((drawn_parts, range));
             }
-            batch.add(transform, levels);
+            batch.add(transform, levels, LodMetric::ProjectedSize);
         }
         batch.spawn(commands);
     }
@@ -323,7 +366,7 @@ impl Palette {
                 let drawn = (mesh, material, *aabb, own, LevelEntity, TransmittedShadowReceiver);
                 (vec![drawn], range.clone())
             });
-            batch.add(own, levels.collect());
+            batch.add(own, levels.collect(), LodMetric::ProjectedSize);
         }
     }
 }
@@ -332,14 +375,14 @@ impl Palette {
 #[derive(Default)]
 struct Batch {
     always: Vec<Drawn>,
-    chains: Vec<(Transform, Vec<Vec<Drawn>>, Arc<LodBorders>)>,
+    chains: Vec<(Transform, Vec<Vec<Drawn>>, Arc<LodBorders>, LodMetric)>,
     /// Borders so far, by the bits of their metres.
     borders: HashMap<Vec<u32>, Arc<LodBorders>>,
 }
 
 impl Batch {
     /// Adds an object whose levels are drawn at these camera distances in metres, without gaps from 0 on.
-    fn add(&mut self, place: Transform, mut levels: Vec<(Vec<Drawn>, Range<f32>)>) {
+    fn add(&mut self, place: Transform, mut levels: Vec<(Vec<Drawn>, Range<f32>)>, metric: LodMetric) {
         levels.retain(|(_, range)| !range.is_empty());
         let ends = borders_of(levels.iter().map(|(_, range)| range));
         if ends.is_empty() {
@@ -352,13 +395,13 @@ impl Batch {
             Arc::new(LodBorders::new(borders))
         });
         let parts = levels.into_iter().map(|(parts, _)| parts).collect();
-        self.chains.push((place, parts, borders.clone()));
+        self.chains.push((place, parts, borders.clone(), metric));
     }
 
     /// Spawns everything.
     fn spawn(self, commands: &mut Commands) {
         commands.spawn_batch(self.always);
-        for (place, levels, borders) in self.chains {
+        for (place, levels, borders, metric) in self.chains {
             let levels = levels.into_iter().map(|parts| {
                 let parts = parts.into_iter().map(|part| commands.spawn(part).id());
                 parts.collect()
@@ -366,7 +409,7 @@ impl Batch {
             let chain = LodChain {
                 levels: levels.collect(),
                 borders,
-                metric: LodMetric::ProjectedSize,
+                metric,
             };
             commands.spawn((place, chain, LevelEntity));
         }

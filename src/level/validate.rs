@@ -217,14 +217,16 @@ impl Level {
     /// Names of the settings that [`Level::set`] takes.
     pub fn settings(&self) -> &'static [&'static str] {
         match self.generator {
-            Generator::Forest(_) | Generator::StressTrees(_) => &["count", "seed"],
+            Generator::Forest(_) => &["count", "seed"],
+            Generator::StressTrees(_) => &["cells", "count", "seed", "wind"],
             Generator::City(_) => &["cars", "floors", "seed"],
             Generator::Room(_) => &["seed"],
         }
     }
 
     /// Changes one setting, as in `forest:count=500`. Settings: `seed`; `count` (trees of a forest or of the
-    /// instancing test; a forest keeps the shares of its species); `cars` and `floors` of a city.
+    /// instancing test; a forest keeps the shares of its species); `cells` (`on` or `off`) and `wind` (metres per second) of
+    /// the instancing test; `cars` and `floors` of a city.
     ///
     /// # Errors
     /// A setting that the level does not have, or a value out of its limits.
@@ -240,6 +242,18 @@ impl Level {
         match (key, &mut self.generator) {
             ("seed", _) => self.seed = whole(u64::MAX)?,
             ("count", Generator::StressTrees(trees)) => trees.count = small(MAX_COUNT)?,
+            ("cells", Generator::StressTrees(trees)) => {
+                trees.cells = match value {
+                    "on" => true,
+                    "off" => false,
+                    _ => return Err(wrong(key, value, "on or off")),
+                }
+            }
+            ("wind", Generator::StressTrees(trees)) => {
+                trees.wind = value
+                    .parse()
+                    .map_err(|_| wrong(key, value, "a number between 0 and 30"))?;
+            }
             ("count", Generator::Forest(_)) => {
                 let wanted = u64::from(small(MAX_COUNT)?);
                 let trees = |rule: &&mut ScatterRule| rule.species.is_tree();
@@ -401,7 +415,8 @@ impl Generator {
             }
             Self::StressTrees(trees) => {
                 count("generator.count", trees.count, 1, MAX_COUNT)?;
-                number("generator.spacing", trees.spacing, 0.5, 1_000.0)
+                number("generator.spacing", trees.spacing, 0.5, 1_000.0)?;
+                number("generator.wind", trees.wind, 0.0, 30.0)
             }
         }
     }

@@ -94,7 +94,9 @@ impl LodEyes {
         self.are_new
     }
 
-    pub(super) fn have_jumped(&self) -> bool {
+    /// Whether an eye was put elsewhere in this frame: nothing fades then, everything is there at once.
+    #[must_use]
+    pub fn have_jumped(&self) -> bool {
         self.has_jumped
     }
 

@@ -29,6 +29,8 @@ pub struct LodPlugin;
 /// The sets of [`LodPlugin`] in [`PostUpdate`], before Bevy looks at changed meshes, materials and visibility.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LodSystems {
+    /// Finds the eyes.
+    Look,
     /// Decides what every chain shows.
     Select,
     /// Gives fading parts what they are drawn with.
@@ -56,15 +58,16 @@ impl Plugin for LodPlugin {
             .init_resource::<LodCounts>()
             .configure_sets(
                 PostUpdate,
-                (LodSystems::Select, LodSystems::Dress)
+                (LodSystems::Look, LodSystems::Select, LodSystems::Dress)
                     .chain()
                     .before(AssetEventSystems),
             )
             .add_systems(
                 PostUpdate,
-                (eyes::update_eyes, select::select_levels)
-                    .chain()
-                    .in_set(LodSystems::Select),
+                (
+                    eyes::update_eyes.in_set(LodSystems::Look),
+                    select::select_levels.in_set(LodSystems::Select),
+                ),
             )
             .add_plugins(gizmos::plugin);
     }

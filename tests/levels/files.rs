@@ -244,7 +244,12 @@ fn wrong_values_are_named() {
         (
             "generator.count",
             Box::new(|l| {
-                l.generator = Generator::StressTrees(StressTrees { count: 0, spacing: 5.0 });
+                l.generator = Generator::StressTrees(StressTrees {
+                    count: 0,
+                    spacing: 5.0,
+                    cells: true,
+                    wind: 0.0,
+                });
             }),
         ),
         ("scatter[0].count", Box::new(|l| l.scatter[0].count = MAX_COUNT + 1)),
@@ -353,9 +358,16 @@ fn settings_change_a_level() {
     assert_eq!(forest.seed, u64::MAX);
     let mut stress = level("stress_trees");
     stress.set("count", "100000").unwrap();
+    stress.set("wind", "7.5").unwrap();
+    stress.set("cells", "off").unwrap();
     assert!(matches!(
         stress.generator,
-        Generator::StressTrees(StressTrees { count: 100_000, .. })
+        Generator::StressTrees(StressTrees {
+            count: 100_000,
+            cells: false,
+            wind: 7.5,
+            ..
+        })
     ));
 }
 
@@ -368,6 +380,15 @@ fn wrong_settings_are_errors_that_name_them() {
         ("forest", "count", "many", "`count` is many"),
         ("stress_trees", "count", "0", "`generator.count` is 0"),
         ("stress_trees", "count", "99999999999", "`count` is 99999999999"),
+        (
+            "stress_trees",
+            "cells",
+            "some",
+            "`cells` is some, but must be on or off",
+        ),
+        ("stress_trees", "wind", "strong", "`wind` is strong"),
+        ("stress_trees", "wind", "NaN", "`generator.wind` is NaN"),
+        ("stress_trees", "wind", "31", "`generator.wind` is 31"),
         ("city", "floors", "0", "`generator.max_floors` is 0"),
     ] {
         let error = level(name).set(key, value).unwrap_err().to_string();

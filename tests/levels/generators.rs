@@ -32,6 +32,7 @@ fn the_same_seed_gives_the_same_level_and_another_one_another() {
         let mut level = level(name);
         if name == "stress_trees" {
             level.set("count", "500").unwrap();
+            level.set("cells", "off").unwrap();
         }
         let first = generate(&level);
         assert!(first == generate(&level), "{name} differs between runs");
@@ -46,7 +47,10 @@ fn the_same_seed_gives_the_same_level_and_another_one_another() {
 #[test]
 fn everything_is_finite_and_on_its_terrain() {
     for name in names() {
-        let level = level(&name);
+        let mut level = level(&name);
+        if name == "stress_trees" {
+            level.set("cells", "off").unwrap();
+        }
         let scenery = generate(&level);
         // The instancing test's ground grows with its number of trees.
         let size = if name == "stress_trees" {
@@ -307,8 +311,14 @@ fn the_instancing_test_gives_as_many_trees_as_asked_from_few_meshes() {
     let mut level = level("stress_trees");
     for count in [1, 999, 100_000] {
         level.set("count", &count.to_string()).unwrap();
+        level.set("cells", "off").unwrap();
         let scenery = generate(&level);
         assert_eq!(scenery.placements.len(), count);
+        level.set("cells", "on").unwrap();
+        let in_cells = generate(&level);
+        assert!(in_cells.placements.is_empty(), "cells keep nothing");
+        let trees: Vec<Placement> = in_cells.grove.expect("a grove").trees().collect();
+        assert!(trees == scenery.placements, "{count} trees differ in cells");
         let models: HashSet<_> = scenery.placements.iter().map(|p| p.model).collect();
         assert!(models.len() <= 16, "{} meshes", models.len());
     }

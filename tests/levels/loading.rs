@@ -21,7 +21,7 @@ use umbrage::{
 
 use crate::sources::{glb, root};
 
-fn app_with(root: &find::AssetRoot) -> App {
+pub(crate) fn app_with(root: &find::AssetRoot) -> App {
     let mut app = App::new();
     loader::register_sources(&mut app, root);
     app.add_plugins((
@@ -45,12 +45,12 @@ fn app_with(root: &find::AssetRoot) -> App {
     app
 }
 
-fn request(app: &mut App, source: SceneSource) {
+pub(crate) fn request(app: &mut App, source: SceneSource) {
     app.world_mut().resource_mut::<RequestedScene>().0 = Some(source);
 }
 
 /// Updates until the scene is ready or has failed; gives the sentence of a failure. Progress must not fall.
-fn wait(app: &mut App) -> Result<(), String> {
+pub(crate) fn wait(app: &mut App) -> Result<(), String> {
     let start = Instant::now();
     let mut last = 0;
     loop {
@@ -71,7 +71,7 @@ fn wait(app: &mut App) -> Result<(), String> {
     }
 }
 
-fn count<T: Component>(app: &mut App) -> usize {
+pub(crate) fn count<T: Component>(app: &mut App) -> usize {
     app.world_mut().query::<&T>().iter(app.world()).count()
 }
 
@@ -344,7 +344,7 @@ fn triangle(uri: Option<&str>) -> String {
     )
 }
 
-fn positions() -> Vec<u8> {
+pub(crate) fn positions() -> Vec<u8> {
     [0.0_f32, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0]
         .into_iter()
         .flat_map(f32::to_le_bytes)

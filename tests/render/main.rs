@@ -4,6 +4,7 @@ mod blur;
 mod depth_range;
 mod fitted;
 mod fitted_needs;
+mod grove;
 mod guard;
 mod harness;
 mod heat_map;

@@ -4,7 +4,8 @@
 //! what drifts during a run hits all alike. After every change of the technique some frames are drawn that do not count,
 //! until its pipelines are built and its maps are there ([`measure`]); the last frames of a block are followed by
 //! frames that only receive the GPU's times. Bevy runs without pipelined rendering and every frame is waited for: the
-//! parts of a frame's time add up, and nothing of one technique runs while another is measured.
+//! parts of a frame's time add up, and nothing of one technique runs while another is measured. A rival in a scene of its own
+//! (`--against-scene`, `--against-lod`) is measured after all others.
 //!
 //! ```text
 //! frames 0..5    A: warm-up, 5 frames, drain   B: warm-up, 5 frames, drain
@@ -14,6 +15,7 @@
 
 mod figures;
 mod measure;
+mod memory;
 mod plan;
 mod report;
 mod statistics;
@@ -33,11 +35,12 @@ use super::{
     shots,
 };
 use crate::{
-    level::{LevelPlugin, LoadedScene, find::asset_root},
+    level::{LevelPlugin, LoadedScene, find::asset_root, scene::SceneSource},
     lod::settings::LodSettings,
     render::{UmbragePlugins, spans::ShadowPassSpan},
 };
 use measure::{Bench, Samples};
+use memory::ProcessMemory;
 use plan::Route;
 use report::{Report, TechniqueReport};
 
@@ -47,7 +50,9 @@ const SIZE: UVec2 = UVec2::new(1280, 720);
 /// Measures all techniques that the arguments ask for.
 pub(super) fn run(assets: Option<&Path>, args: &BenchArgs) -> Result<(), Failure> {
     let root = asset_root(assets).map_err(Failure::failed)?;
-    args.scene.check(&root).map_err(Failure::failed)?;
+    for scene in std::iter::once(&args.scene).chain(&args.against_scene) {
+        scene.check(&root).map_err(Failure::failed)?;
+    }
     pictures::make_folder(&args.out).map_err(Failure::Failed)?;
     let mut app = headless::app(&root).map_err(Failure::failed)?;
     app.add_plugins((
@@ -69,8 +74,37 @@ pub(super) fn run(assets: Option<&Path>, args: &BenchArgs) -> Result<(), Failure
 }
 
 fn measure_all(app: &mut App, args: &BenchArgs, bar: &ProgressBar) -> Result<Report, Failure> {
-    let sun = shoot::load(app, &args.scene, bar)?;
-    let scene = args.scene.name();
+    let (route, mut reports) = measure_scene(app, args, &args.scene, &techniques(args), bar)?;
+    let memory = ProcessMemory::now();
+    let mut against = args.against.as_ref().map(|rival| rival.text.clone());
+    if let Some(rival) = args.against.as_ref().filter(|_| has_other_scene(args)) {
+        let scene = args.against_scene.as_ref().unwrap_or(&args.scene);
+        let kind = args.against_lod.unwrap_or(args.lod);
+        app.world_mut().resource_mut::<LodSettings>().transition.kind = kind;
+        let (_, mut of_rival) = measure_scene(app, args, scene, std::slice::from_ref(rival), bar)?;
+        for report in &mut of_rival {
+            report.technique = format!("{} in {scene} {}", rival.text, kind.name());
+            against = Some(report.technique.clone());
+        }
+        reports.append(&mut of_rival);
+    }
+    let mut report = Report::new(app, &args.scene.name(), &route, reports, memory);
+    if let Some(against) = &against {
+        report.compare(against);
+    }
+    Ok(report)
+}
+
+/// Measures techniques in a scene.
+fn measure_scene(
+    app: &mut App,
+    args: &BenchArgs,
+    source: &SceneSource,
+    techniques: &[NamedTechnique],
+    bar: &ProgressBar,
+) -> Result<(Route, Vec<TechniqueReport>), Failure> {
+    let sun = shoot::load(app, source, bar)?;
+    let scene = source.name();
     let route = route(app.world().resource::<LoadedScene>(), args)?;
     let Some(first) = route.shots.first() else {
         return Err(Failure::Failed(format!(
@@ -78,7 +112,6 @@ fn measure_all(app: &mut App, args: &BenchArgs, bar: &ProgressBar) -> Result<Rep
             route.name
         )));
     };
-    let techniques = techniques(args);
     let stage = Stage::new(app, first, sun, &[Pass::Beauty]);
     let mut samples = vec![Samples::default(); techniques.len()];
     let mut reports: Vec<TechniqueReport> = techniques.iter().map(TechniqueReport::new).collect();
@@ -105,18 +138,20 @@ fn measure_all(app: &mut App, args: &BenchArgs, bar: &ProgressBar) -> Result<Rep
         report.fill(samples, &route.seconds);
     }
     stage.strike(app);
-    let mut report = Report::new(app, &scene, &route, reports);
-    if let Some(against) = &args.against {
-        report.compare(&against.text);
-    }
-    Ok(report)
+    Ok((route, reports))
 }
 
-/// The techniques asked for, and the one that they are measured against. One that is given twice is measured twice,
+/// Whether the rival is measured in a scene of its own: after the others, as two scenes are not there at once.
+fn has_other_scene(args: &BenchArgs) -> bool {
+    args.against_scene.is_some() || args.against_lod.is_some()
+}
+
+/// The techniques asked for, and the one that they are measured against, unless it has a scene of its own. One that is given twice is measured twice,
 /// which shows the noise.
 fn techniques(args: &BenchArgs) -> Vec<NamedTechnique> {
     let mut techniques = args.techniques.clone();
-    let rival = args.against.iter().filter(|rival| !args.techniques.contains(rival));
+    let is_here = |rival: &&NamedTechnique| !has_other_scene(args) && !args.techniques.contains(rival);
+    let rival = args.against.iter().filter(is_here);
     techniques.extend(rival.cloned());
     techniques
 }
@@ -161,7 +196,7 @@ fn route(scene: &LoadedScene, args: &BenchArgs) -> Result<Route, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{level::scene::SceneSource, lod::settings::LodKind};
+    use crate::lod::settings::LodKind;
 
     fn named(text: &str) -> NamedTechnique {
         text.parse().expect("a technique")
@@ -175,6 +210,8 @@ mod tests {
             techniques: techniques.iter().map(|text| named(text)).collect(),
             frames: 20,
             against: against.map(named),
+            against_scene: None,
+            against_lod: None,
             lod: LodKind::default(),
             size: None,
             out: "out".into(),

@@ -8,7 +8,7 @@ use crate::level::ground::{Blocker, Ground};
 /// Heights and the obstacles within reach of one step.
 pub(super) struct Surroundings<'a> {
     ground: &'a Ground,
-    blockers: Vec<&'a Blocker>,
+    blockers: Vec<Blocker>,
     /// Largest absolute x and z.
     limit: Vec2,
 }

@@ -1,5 +1,6 @@
 //! Levels of detail (Giegl 2007, chapters 6 and 7).
 
 mod blend;
+mod cells;
 mod energy;
 mod selection;

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::{
     measure::{DRAIN, FrameSample, SETTLE, Samples, WARM_UP},
+    memory::ProcessMemory,
     plan::Route,
     statistics::{self, Ratio, median},
 };
@@ -43,6 +44,8 @@ pub(super) struct Report {
     frames: usize,
     /// How it was measured.
     uncounted_frames: Uncounted,
+    /// Bytes at the end of the scene's own techniques; null where the system does not say.
+    process_memory: Option<ProcessMemory>,
     /// What `ratio` compares with.
     against: Option<String>,
     pub(super) techniques: Vec<TechniqueReport>,
@@ -299,7 +302,13 @@ fn shadow_gpu_ms(passes: &BTreeMap<String, PassTimes>) -> Option<f64> {
 
 impl Report {
     /// Of a run on the adapter of an app.
-    pub(super) fn new(app: &App, scene: &str, route: &Route, techniques: Vec<TechniqueReport>) -> Self {
+    pub(super) fn new(
+        app: &App,
+        scene: &str,
+        route: &Route,
+        techniques: Vec<TechniqueReport>,
+        process_memory: Option<ProcessMemory>,
+    ) -> Self {
         let device = app
             .get_sub_app(RenderApp)
             .and_then(|render_app| render_app.world().get_resource::<RenderDevice>());
@@ -321,6 +330,7 @@ impl Report {
                 before_later_blocks: SETTLE,
                 after_blocks: DRAIN,
             },
+            process_memory,
             against: None,
             techniques,
         }
@@ -403,6 +413,7 @@ mod tests {
                 before_later_blocks: SETTLE,
                 after_blocks: DRAIN,
             },
+            process_memory: None,
             against: None,
             techniques,
         }

@@ -66,6 +66,10 @@ impl Report {
         for report in &self.techniques {
             let _ = write!(text, "\n{}", report.table_line());
         }
+        if let Some(memory) = self.process_memory {
+            let [resident, peak] = [memory.resident, memory.peak].map(|bytes| bytes >> 20);
+            let _ = write!(text, "\nthe process held {resident} MiB, at most {peak} MiB");
+        }
         text
     }
 }
