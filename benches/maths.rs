@@ -11,7 +11,10 @@ use umbrage::maths::{
     body::{adjusted_depths, intersection_body, light_visible},
     bounds::Bounds,
     fit::{FitInput, FitOptions, LightAxes, LightFit, fit_light_view},
-    light_plane::space::{BaseFilm, FilmBin, FilmMetric, FilmObjective, FilmSample, SampleGrid},
+    light_plane::space::{
+        BaseFilm, FilmBin, FilmMemory, FilmMetric, FilmObjective, FilmPlanInput, FilmPlanOptions, FilmSample,
+        MergeLimits, SampleGrid, SeenBlock, SeenPicture, plan_films, reduce_block,
+    },
     lod::{
         cells::{Cell, CellBorders, CellGrid, OpenCells},
         selection::LodBorders,
@@ -185,6 +188,62 @@ fn films(criterion: &mut Criterion) {
     }
 }
 
+/// From a picture of blocks to films: all that a frame computes.
+fn film_plans(criterion: &mut Criterion) {
+    let view = camera();
+    let (size, grid) = (UVec2::new(192, 108), UVec2::new(48, 27));
+    let clip = clip_from_world(&view);
+    let seen = picture(&view, size);
+    let depths: Vec<f32> = seen
+        .iter()
+        .map(|hit| hit.map_or(0.0, |(point, _)| clip.project_point3(point).z as f32))
+        .collect();
+    let blocks = (0..grid.element_product()).map(|index| {
+        let reduced = reduce_block(&depths, size, grid, UVec2::new(index % grid.x, index / grid.x))?;
+        let (position, normal) = seen[(reduced.pixel.y * size.x + reduced.pixel.x) as usize]?;
+        Some(SeenBlock {
+            position,
+            normal,
+            depths_ndc: reduced.depths_ndc,
+            pixel: reduced.pixel,
+            pixels: reduced.pixels,
+            plane: reduced.plane,
+        })
+    });
+    let picture = SeenPicture {
+        clip_from_world: clip,
+        size,
+        grid,
+        blocks: blocks.collect(),
+    };
+    let receivers = scene();
+    for frusta in [1, 4] {
+        let options = FilmPlanOptions {
+            limits: MergeLimits {
+                frusta,
+                ..MergeLimits::default()
+            },
+            ..FilmPlanOptions::default()
+        };
+        let last = FilmMemory::default();
+        let input = FilmPlanInput {
+            view: &view,
+            receivers: &receivers,
+            light_travel: SUN,
+            picture: &picture,
+            clip_from_world: clip,
+            margin: 0.0,
+            options: &options,
+            last: &last,
+            seconds: 1.0 / 60.0,
+        };
+        assert!(plan_films(&input).is_ok(), "the picture has films");
+        criterion.bench_function(&format!("plan of {frusta} films, 48 x 27 blocks"), |bencher| {
+            bencher.iter(|| plan_films(black_box(&input)));
+        });
+    }
+}
+
 /// Trees along a side of a leaf, and their spacing in metres.
 const LEAF_TREES: u32 = 8;
 const SPACING: f64 = 5.0;
@@ -236,5 +295,5 @@ fn cells(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, fitting, planning, films, cells);
+criterion_group!(benches, fitting, planning, films, film_plans, cells);
 criterion_main!(benches);

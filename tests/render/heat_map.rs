@@ -77,8 +77,8 @@ fn compare(picture: &[u8], samples: &[Option<Sample>], colors: HeatColors) -> Co
     }
 }
 
-/// One comparison for each of [`COLORS`].
-fn comparisons(technique: &str) -> [Comparison; 4] {
+/// One comparison for each of [`COLORS`], of some of the maps.
+fn comparisons(technique: &str, maps_of: fn(&World, Entity, Entity) -> LightMaps) -> [Comparison; 4] {
     let mut harness = Harness::new(SIZE, eye());
     let material = harness.material(Color::srgb(0.6, 0.6, 0.6));
     let plane = harness.mesh(Plane3d::default().mesh().size(120.0, 120.0));
@@ -99,7 +99,7 @@ fn comparisons(technique: &str) -> [Comparison; 4] {
     harness.add_mask(light, SIZE);
     harness.start();
     let camera = harness.camera;
-    let maps = LightMaps::of(harness.app.world(), light, camera);
+    let maps = maps_of(harness.app.world(), light, camera);
     assert!(!maps.maps.is_empty(), "{technique} has maps");
     let pictures = COLORS.map(|colors| {
         harness.app.world_mut().entity_mut(camera).insert(TexelHeatMap {
@@ -129,13 +129,16 @@ fn comparisons(technique: &str) -> [Comparison; 4] {
 #[test]
 fn the_gpu_shows_what_the_cpu_computes() {
     let mut shown = COLORS.map(|_| HashSet::new());
-    for technique in [
-        "zp4+lispsm:size=256",
-        "lispsm:size=512,select=depth",
-        "zp2+lispsm:path=dropin,size=256",
-        "bevy",
+    let (of_frame, before_films) = (LightMaps::of as fn(&World, _, _) -> _, LightMaps::before_films);
+    for (technique, maps_of) in [
+        ("zp4+lispsm:size=256", of_frame),
+        ("lispsm:size=512,select=depth", of_frame),
+        ("zp2+lispsm:path=dropin,size=256", of_frame),
+        ("bevy", of_frame),
+        ("optimal:size=512,frusta=4", of_frame),
+        ("optimal:size=512,frusta=4", before_films),
     ] {
-        for ((colors, found), shown) in COLORS.iter().zip(comparisons(technique)).zip(&mut shown) {
+        for ((colors, found), shown) in COLORS.iter().zip(comparisons(technique, maps_of)).zip(&mut shown) {
             let Comparison {
                 different, compared, ..
             } = found;

@@ -128,15 +128,21 @@ fn table(scene: &Scene) -> Bars {
     let angle = |angle: Option<f64>| angle.map_or_else(String::new, |angle| format!(" {angle:.1}°"));
     let mut rows = Vec::new();
     for method in Method::ALL {
-        if let Ok(found) = row(scene, method) {
-            let footprints = found.footprints;
-            rows.push(Row {
-                label: format!("ours: {}{}", method.name(), angle(found.angle)),
-                values: [footprints.worst, footprints.average, footprints.average_and_deviation()]
-                    .map(Some)
-                    .to_vec(),
-            });
-        }
+        rows.push(match row(scene, method) {
+            Ok(found) => {
+                let footprints = found.footprints;
+                Row {
+                    label: format!("ours: {}{}", method.name(), angle(found.angle)),
+                    values: [footprints.worst, footprints.average, footprints.average_and_deviation()]
+                        .map(Some)
+                        .to_vec(),
+                }
+            }
+            Err(_) => Row {
+                label: format!("ours: {}, no valid film", method.name()),
+                values: vec![None; 3],
+            },
+        });
     }
     if let Ok(average) = split_average(scene, 2, Merging::Greedy, SliceExtent::Borders) {
         rows.push(Row {

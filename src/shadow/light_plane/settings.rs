@@ -24,8 +24,9 @@ pub struct LightPlanes {
     pub division: FilmDivision,
     /// What they cover: what was seen (default, with a coarse map for the rest), or all that may be seen.
     pub cover: FilmCover,
-    /// Seconds in which films follow 63 % of a change, 0..=10; 0: at once, shadow edges crawl. Films that are within 5 % of
-    /// the best stay as they are.
+    /// Seconds in which the bend of films follows 63 % of a change, 0..=10; 0: at once. Bends that are within 5 % of the
+    /// best stay as they are. What films cover follows the picture at once, so that nothing is lost: shadow edges crawl
+    /// with it, whatever is said here, and least with [`FilmCover::Body`].
     pub damping: f32,
 }
 

@@ -16,6 +16,43 @@ fn axes() -> LightAxes {
     LightAxes::new(DVec3::NEG_Z, DVec3::Y, DVec3::new(0.2, -1.0, -0.3)).expect("a light")
 }
 
+/// The pencil of a spot is that of a point whose axis is the cone's, over what its cone lights: receivers beside or behind
+/// the light, for which a point has no film, are not among them.
+#[test]
+fn a_spot_is_a_point_that_lights_a_cone() {
+    let (position, axis) = (DVec3::new(0.0, 4.0, -6.0), DVec3::new(0.2, -1.0, -0.1).normalize());
+    let axes = axes_along(axis, DVec3::Z);
+    let camera = camera_on_floor(UVec2::new(48, 27));
+    let floor = camera.hits(&whole_floor());
+    let mut points: Vec<DVec3> = floor.iter().map(|(point, _)| *point).collect();
+    points.push(position + DVec3::Y);
+    assert_eq!(BaseFilm::of_point(position, axes, &points), Err(FilmError::TooWide));
+    let half_angle = 35.0_f64.to_radians();
+    let in_cone: Vec<DVec3> = points
+        .iter()
+        .copied()
+        .filter(|point| (point - position).angle_between(axis) <= half_angle)
+        .collect();
+    assert!(in_cone.len() > 100, "{} points in the cone", in_cone.len());
+    let base = BaseFilm::of_point(position, axes, &in_cone).expect("in front of the spot");
+    let samples: Vec<FilmSample> = in_cone
+        .iter()
+        .map(|point| FilmSample::new(&base, &camera.grid, *point, DVec3::Y).expect("a lit point"))
+        .collect();
+    let hull = FilmHull::of_samples(&samples).expect("an area");
+    let bin = FilmBin::of_samples(&samples);
+    let problem = bin.problem(FilmObjective::default()).expect("a problem");
+    let optimum = problem.solve(&[]).expect("a film");
+    let unbent = problem.film_at(DVec2::ZERO).expect("a film");
+    assert!(hull.is_valid(optimum.bend), "w > 0 in the cone");
+    assert!(
+        optimum.error < 0.9 * unbent.error,
+        "{} of {}",
+        optimum.error,
+        unbent.error
+    );
+}
+
 #[test]
 fn base_films() {
     assert_eq!(BaseFilm::of_sun(axes(), &[]), Err(FilmError::NothingVisible));

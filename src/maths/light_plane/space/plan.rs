@@ -78,7 +78,8 @@ pub struct FilmMemory {
     /// What was asked for.
     options: Option<FilmPlanOptions>,
     /// w of every film as a form of world-space points ([`BaseFilm::width_form`]).
-    widths: Vec<DVec4>,
+    /// `None` for a part that had no film.
+    widths: Vec<Option<DVec4>>,
     /// The parts of the films: rectangles of tiles, or runs of slices as rectangles of one row.
     parts: Vec<TileRect>,
 }
@@ -234,7 +235,7 @@ pub fn plan_films(input: &FilmPlanInput) -> Result<FilmPlan, FilmError> {
         if let Ok(outer) = &outer {
             bin.clip(outer);
         }
-        let last = has_memory.then(|| last.widths[index]);
+        let last = if has_memory { last.widths[index] } else { None };
         let solved = bin.problem(objective).and_then(|problem| {
             let proposals: Vec<DVec2> = last.and_then(|form| base.bend_of(form)).into_iter().collect();
             let optimum = problem.solve(&proposals)?;
@@ -247,14 +248,17 @@ pub fn plan_films(input: &FilmPlanInput) -> Result<FilmPlan, FilmError> {
         match solved {
             Ok((damped, optimum, problem)) => {
                 optimal_need += optimum.error.sqrt();
-                plan.memory.widths.push(base.width_form(damped.film.bend));
+                plan.memory.widths.push(Some(base.width_form(damped.film.bend)));
                 plan.partition.frusta.push(FilmFrustum {
                     film: damped.film,
                     hull: problem.hull().clone(),
                     depths: bin.depths,
                 });
             }
-            Err(error) => refusal = error,
+            Err(error) => {
+                refusal = error;
+                plan.memory.widths.push(None);
+            }
         }
     }
     if plan.partition.frusta.is_empty() {
