@@ -90,8 +90,9 @@ const MAPS: &[(u32, MapResolution)] = &[
     (2048, MapResolution::Balanced),
 ];
 const SELECTIONS: &[(PartitionSelection, SeamWidth)] = &[
+    (PartitionSelection::Finest, SeamWidth::None),
+    (PartitionSelection::Finest, SeamWidth::Share(0.05)),
     (PartitionSelection::BestResolution, SeamWidth::None),
-    (PartitionSelection::BestResolution, SeamWidth::Share(0.05)),
     (PartitionSelection::Depth, SeamWidth::None),
     (PartitionSelection::Depth, SeamWidth::Share(0.1)),
 ];
@@ -217,6 +218,7 @@ impl Setting {
                     (Faces::Apart { .. }, _) => "finest map",
                     (_, PartitionSelection::Depth) => "by depth",
                     (_, PartitionSelection::BestResolution) => "best resolution",
+                    (_, PartitionSelection::Finest) => "finest map",
                 };
                 match settings.seams.width {
                     SeamWidth::None => rule.into(),

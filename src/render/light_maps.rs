@@ -127,6 +127,7 @@ impl LightMaps {
                 (Faces::Apart { .. }, _) => Selection::Finest,
                 (Faces::Together, PartitionSelection::Depth) => Selection::Depth,
                 (Faces::Together, PartitionSelection::BestResolution) => Selection::BestResolution,
+                (Faces::Together, PartitionSelection::Finest) => Selection::Finest,
             },
             distance: views.map_or(0.0, |views| f64::from(views.far_depth)),
             virtual_map: None,

@@ -104,36 +104,40 @@ fn weights(views: &CameraSunViews, selection: Selection, band: BorderBand) -> Ve
 /// Seams change the pixels in them and no others, and what they change lies between lit and shadow.
 #[test]
 fn seams_change_only_their_pixels() {
-    let plain = draw("zp4+lispsm:size=128");
-    for (technique, band) in [
-        ("zp4+lispsm:size=128,seam=0.2", BorderBand::Share(0.2)),
-        ("zp4+lispsm:size=128,seam=1m", BorderBand::Metres(1.0)),
-    ] {
-        let blended = draw(technique);
-        assert_eq!(blended.views.layout, plain.views.layout, "the same maps");
-        let weights = weights(&blended.views, Selection::BestResolution, band);
-        let (mut in_seams, mut changed) = (0, 0);
-        for (index, weights) in weights.iter().enumerate() {
-            let (seamless, seamed) = (plain.result[index], blended.result[index]);
-            let Some(weights) = weights else {
-                continue;
-            };
-            let largest = weights.iter().copied().fold(0.0, f64::max);
-            if largest == 1.0 {
-                // Positions that the GPU reconstructs differ by a millionth: beside the seam its weight is that small.
-                assert!(
-                    (seamless - seamed).abs() < 0.002,
-                    "{technique}: pixel {index}: {seamless} and {seamed}"
-                );
-            } else if largest > 0.0 {
-                in_seams += 1;
-                changed += u32::from(seamless != seamed);
-            }
+    for (select, selection) in [("best", Selection::BestResolution), ("finest", Selection::Finest)] {
+        let technique = format!("zp4+lispsm:size=128,select={select}");
+        let plain = draw(&technique);
+        for (seam, band) in [("0.2", BorderBand::Share(0.2)), ("1m", BorderBand::Metres(1.0))] {
+            seams_change_only_theirs(&plain, &format!("{technique},seam={seam}"), selection, band);
         }
-        println!("{technique}: {in_seams} pixels in seams, {changed} changed");
-        assert!(in_seams > 300, "{technique}: only {in_seams} pixels are in seams");
-        assert!(changed > 6, "{technique}: only {changed} pixels changed");
     }
+}
+
+fn seams_change_only_theirs(plain: &Drawn, technique: &str, selection: Selection, band: BorderBand) {
+    let blended = draw(technique);
+    assert_eq!(blended.views.layout, plain.views.layout, "the same maps");
+    let weights = weights(&blended.views, selection, band);
+    let (mut in_seams, mut changed) = (0, 0);
+    for (index, weights) in weights.iter().enumerate() {
+        let (seamless, seamed) = (plain.result[index], blended.result[index]);
+        let Some(weights) = weights else {
+            continue;
+        };
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        if largest == 1.0 {
+            // Positions that the GPU reconstructs differ by a millionth: beside the seam its weight is that small.
+            assert!(
+                (seamless - seamed).abs() < 0.002,
+                "{technique}: pixel {index}: {seamless} and {seamed}"
+            );
+        } else if largest > 0.0 {
+            in_seams += 1;
+            changed += u32::from(seamless != seamed);
+        }
+    }
+    println!("{technique}: {in_seams} pixels in seams, {changed} changed");
+    assert!(in_seams > 300, "{technique}: only {in_seams} pixels are in seams");
+    assert!(changed > 6, "{technique}: only {changed} pixels changed");
 }
 
 /// Shadows fade to lit at the end of the range: full up to the fade, none behind it.

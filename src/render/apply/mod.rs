@@ -150,6 +150,7 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
             (Faces::Apart { .. }, _) => 3,
             (Faces::Together, PartitionSelection::Depth) => 0,
             (Faces::Together, PartitionSelection::BestResolution) => 1,
+            (Faces::Together, PartitionSelection::Finest) => 3,
         },
         filter_kind,
         bias_kind,

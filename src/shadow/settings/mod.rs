@@ -99,10 +99,14 @@ pub enum ShadowPath {
 pub enum PartitionSelection {
     /// By view depth, in half-open intervals. Face partitions have none of their own: they take the finest map.
     Depth,
-    /// The finest map that contains the point: of z-partitions the first, of face partitions the one with the most texels
-    /// there.
-    #[default]
+    /// The first map that contains the point, of z-partitions: the finest without a warp. Face partitions take the one with
+    /// the most texels there.
     BestResolution,
+    /// The map with the most texels around the point: along a warp the first map that contains it may be coarser there than
+    /// the next one. Costs a look at every map. Four warped maps on two tuning shots of each level, wrong pixels in percent
+    /// for those of [`BestResolution`](Self::BestResolution): forest 3.09 for 3.57, city 0.224 for 0.221 (240x135).
+    #[default]
+    Finest,
 }
 
 /// How the depth comparison is filtered (Stingl, section 3.6).
@@ -316,7 +320,7 @@ impl SunShadows {
             light_planes: None,
             fit: FitSettings::BEST,
             map_size,
-            selection: PartitionSelection::BestResolution,
+            selection: PartitionSelection::Finest,
             seams: Seams::NONE,
             filter: ShadowFilter::Pcf2,
             bias: ShadowBias::Footprint { scale: 1.0 },

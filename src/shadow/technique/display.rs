@@ -117,7 +117,11 @@ mod tests {
                 (-1.0f32..=1.0).prop_map(|eta| Warp::Free { eta }),
             ],
             map_size in 16u32..=4096,
-            selection in prop_oneof![Just(PartitionSelection::Depth), Just(PartitionSelection::BestResolution)],
+            selection in prop_oneof![
+                Just(PartitionSelection::Depth),
+                Just(PartitionSelection::BestResolution),
+                Just(PartitionSelection::Finest),
+            ],
             filter in prop_oneof![
                 Just(ShadowFilter::Hard),
                 Just(ShadowFilter::Pcf2),

@@ -19,7 +19,7 @@ pub(super) const TOPIC: Topic = Topic {
         ),
         Key::new("etas", "a strength -1..=1 per slice, e.g. 0/-0.5/-1, for the warp free"),
         Key::full("resolution", "equal|balanced: how texels are divided among maps"),
-        Key::full("select", "depth|best"),
+        Key::full("select", "depth|best|finest: the map that a point reads"),
     ],
     read,
     changes,
@@ -58,6 +58,7 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     if let Some(selection) = pairs.read("select", |text| match text {
         "depth" => Some(PartitionSelection::Depth),
         "best" => Some(PartitionSelection::BestResolution),
+        "finest" => Some(PartitionSelection::Finest),
         _ => None,
     })? {
         settings.selection = selection;
@@ -156,7 +157,11 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
         });
     }
     if settings.selection != default.selection {
-        pairs.push("select=depth".to_owned());
+        pairs.push(match settings.selection {
+            PartitionSelection::Depth => "select=depth".to_owned(),
+            PartitionSelection::BestResolution => "select=best".to_owned(),
+            PartitionSelection::Finest => "select=finest".to_owned(),
+        });
     }
     pairs
 }
