@@ -35,6 +35,24 @@ fn select_view(surface: Surface) -> Selected {
     return first_view(surface, 0u);
 }
 
+// The view of an index: what the parts of a virtual map are looked up in.
+fn view_at(surface: Surface, index: u32) -> Selected {
+    var selected: Selected;
+    selected.index = index;
+    selected.plane = plane_in_view(surface, index);
+    selected.is_found = surface.view_depth < parameters.shadow_distance && contains(selected.plane, index);
+    return selected;
+}
+
+// The view that a view depth belongs to: the first that ends behind it, else the last.
+fn view_of_depth(view_depth: f32) -> u32 {
+    var index = 0u;
+    while index + 1u < parameters.light_view_count && view_depth >= parameters.light_views[index].depth_range.y {
+        index += 1u;
+    }
+    return index;
+}
+
 // The view that takes over where another one ends.
 fn next_view(surface: Surface, before: Selected) -> Selected {
     if parameters.selection == SELECTION_FINEST {

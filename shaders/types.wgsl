@@ -119,8 +119,9 @@ struct ShadowTile {
     report: u32,
     // Changes of the shadow result up to this are none.
     tolerance: f32,
-    padding_a: u32,
-    padding_b: u32,
+    // Index of the light view that it is a part of.
+    light_view: u32,
+    padding: u32,
 }
 
 // One tile of a virtual map, as the overlay shows it.
@@ -128,6 +129,11 @@ struct TileMark {
     place: vec2<f32>,
     counts: vec2<f32>,
     color: vec4<f32>,
+    // Index of the light view that it is a part of.
+    light_view: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // What applying a tile did.
@@ -200,8 +206,8 @@ struct NeedParameters {
     pick: u32,
     // Factor on needs before they are rounded up to levels: 2^(- bias).
     need_scale: f32,
-    // View depth from which everything is lit, in metres.
-    shadow_distance: f32,
+    // View depths of the pixels whose needs count, in metres: from the first one up to, without, the second.
+    depth_range: vec2<f32>,
     // 1: neighbours are a texel of the mapping map away, 0: a pixel.
     wide_steps: u32,
     // Motion of the camera for which the needs have to hold: metres; negative: none.

@@ -75,9 +75,11 @@ fn layouts_agree() {
         clip_from_world, view_depth_from_world, new_share, is_valid, padding,
     });
     assert_layout!(GpuShadowTile, "ShadowTile", {
-        rect, bounds, place, counts, report, tolerance, padding_a, padding_b,
+        rect, bounds, place, counts, report, tolerance, light_view, padding,
     });
-    assert_layout!(GpuTileMark, "TileMark", { place, counts, color });
+    assert_layout!(GpuTileMark, "TileMark", {
+        place, counts, color, light_view, padding_a, padding_b, padding_c,
+    });
     assert_layout!(GpuTileReport, "TileReport", { changed, inside, min_x, min_y, max_x, max_y });
     assert_layout!(CasterBin, "CasterBin", {
         first_instance, instance_count, first_index, index_count, base_vertex, unbounded, padding_a, padding_b,
@@ -91,7 +93,7 @@ fn layouts_agree() {
     });
     assert_layout!(NeedParameters, "NeedParameters", {
         map_from_picture, clip_from_world, inverse_depth, picture_size, picture_origin, map_size, cells_per_axis,
-        measure, pick, need_scale, shadow_distance, wide_steps, motion_step, motion_turn_factor, motion_focal,
+        measure, pick, need_scale, depth_range, wide_steps, motion_step, motion_turn_factor, motion_focal,
         motion_corner,
     });
     assert_layout!(GpuNeedCell, "NeedCell", {

@@ -5,7 +5,7 @@
 
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 #import umbrage::filter::pixel_angle
-#import umbrage::selection::{parameters, range_fade, select_view}
+#import umbrage::selection::{parameters, range_fade, view_at, view_of_depth}
 #import umbrage::spaces::{position_from_depth, uv_from_ndc}
 #import umbrage::surface::{load_depth, surface_at, view}
 #import umbrage::types::{ShadowTile, TileReport}
@@ -28,11 +28,11 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
         discard;
     }
     let surface = surface_at(in.position.xy, depth_ndc, parameters.direction_to_light);
-    let selected = select_view(surface);
-    if !selected.is_found {
+    let selected = view_at(surface, tile.light_view);
+    if !selected.is_found || view_of_depth(surface.view_depth) != tile.light_view {
         discard;
     }
-    let clip_from_world = parameters.light_views[selected.index].clip_from_world;
+    let clip_from_world = parameters.light_views[tile.light_view].clip_from_world;
     let texels = MapTexels(tile.rect, tile.bounds);
     let angle = pixel_angle(in.position.xy);
     var lit = visibility(tile_depths, texels, clip_from_world, selected.plane, surface, angle);
@@ -52,7 +52,7 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
 
 // Half open, so that each place in the map is in one tile; a coordinate of 1 is in the last.
 fn is_in_tile(position: vec3<f32>) -> bool {
-    let clip = parameters.light_views[0].clip_from_world * vec4<f32>(position, 1.0);
+    let clip = parameters.light_views[tile.light_view].clip_from_world * vec4<f32>(position, 1.0);
     let place = floor(uv_from_ndc(clip.xy / clip.w) * tile.counts);
     return clip.w > 0.0 && all(min(place, tile.counts - 1.0) == tile.place);
 }

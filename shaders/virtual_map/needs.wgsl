@@ -38,9 +38,10 @@ fn depth_at(pixel: vec2<i32>) -> f32 {
     return load_depth(pixel + vec2<i32>(parameters.picture_origin));
 }
 
-// Whether the shadow of a pixel is looked up at all.
+// Whether the shadow of a pixel is looked up in this map.
 fn is_shadowed(pixel: vec2<i32>, depth: f32) -> bool {
-    return depth > 0.0 && distance_along_view(view, world_position(pixel, depth)) < parameters.shadow_distance;
+    let view_depth = distance_along_view(view, world_position(pixel, depth));
+    return depth > 0.0 && view_depth >= parameters.depth_range.x && view_depth < parameters.depth_range.y;
 }
 
 fn world_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {

@@ -121,10 +121,10 @@ pub struct GpuShadowTile {
     pub report: u32,
     /// Changes of the shadow result up to this are none.
     pub tolerance: f32,
+    /// Index of the light view that it is a part of.
+    pub light_view: u32,
     /// Unused.
-    pub padding_a: u32,
-    /// Unused.
-    pub padding_b: u32,
+    pub padding: u32,
 }
 
 /// One tile of a virtual map, as the overlay shows it.
@@ -136,6 +136,14 @@ pub struct GpuTileMark {
     pub counts: Vec2,
     /// Linear color with opacity.
     pub color: Vec4,
+    /// Index of the light view that it is a part of.
+    pub light_view: u32,
+    /// Unused.
+    pub padding_a: u32,
+    /// Unused.
+    pub padding_b: u32,
+    /// Unused.
+    pub padding_c: u32,
 }
 
 /// What applying a tile did.
@@ -231,8 +239,8 @@ pub struct NeedParameters {
     pub pick: u32,
     /// Factor on needs before they are rounded up to levels.
     pub need_scale: f32,
-    /// View depth from which everything is lit, metres.
-    pub shadow_distance: f32,
+    /// View depths of the pixels whose needs count, metres: from the first one up to, without, the second.
+    pub depth_range: Vec2,
     /// 1: neighbours are a texel of the mapping map away, 0: a pixel.
     pub wide_steps: u32,
     /// Motion of the camera for which the needs have to hold, metres; negative: none.

@@ -59,19 +59,28 @@ pub struct LightMaps {
     pub selection: Selection,
     /// View depth in metres from which everything is lit.
     pub distance: f64,
-    /// The virtual map whose tiles the maps are.
-    pub virtual_map: Option<WholeMap>,
+    /// The virtual maps whose tiles the maps are.
+    pub virtual_maps: Option<WholeMaps>,
 }
 
-/// A virtual map.
+/// A virtual map, or one per z-partition.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WholeMap {
-    /// The whole of it, at the resolution of its finest tile.
-    pub map: LightMap,
-    /// The tile of each of the maps.
-    pub tiles: Vec<Tile>,
+pub struct WholeMaps {
+    /// The whole of each, at the resolution of the finest tile of all; nearest first.
+    pub maps: Vec<LightMap>,
+    /// What each of the light maps is: the index of the whole, and the tile.
+    pub tiles: Vec<(usize, Tile)>,
     /// Texels drawn, margins included.
     pub texels: u64,
+}
+
+impl WholeMaps {
+    /// The map that a view depth belongs to: the first that ends behind it, else the last.
+    fn of_depth(&self, view_depth: f64) -> usize {
+        let last = self.maps.len().saturating_sub(1);
+        let found = self.maps.iter().position(|map| view_depth < map.far_depth);
+        found.unwrap_or(last)
+    }
 }
 
 impl LightMaps {
@@ -100,7 +109,7 @@ impl LightMaps {
             maps: maps.into_iter().collect(),
             selection: Selection::BestResolution,
             distance: f64::INFINITY,
-            virtual_map: None,
+            virtual_maps: None,
         }
     }
 
@@ -108,8 +117,9 @@ impl LightMaps {
         let (settings, _) = checked(settings);
         let views = world.get::<SunViews>(sun).and_then(|views| views.cameras.get(&camera));
         if settings.maps.is_virtual() {
-            let partition = views.and_then(|views| views.partitions.first());
-            return Self::of_virtual_map(world, camera, partition.map(|partition| &partition.light_view));
+            let partitions = views.map_or(&[][..], |views| &views.partitions);
+            let light_views: Vec<&LightView> = partitions.iter().map(|partition| &partition.light_view).collect();
+            return Self::of_virtual_maps(world, camera, &light_views);
         }
         let maps = views
             .into_iter()
@@ -130,46 +140,47 @@ impl LightMaps {
                 (Faces::Together, PartitionSelection::Finest) => Selection::Finest,
             },
             distance: views.map_or(0.0, |views| f64::from(views.far_depth)),
-            virtual_map: None,
+            virtual_maps: None,
         }
     }
 
     /// The tiles that the last frame drew.
-    fn of_virtual_map(world: &World, camera: Entity, light_view: Option<&LightView>) -> Self {
+    fn of_virtual_maps(world: &World, camera: Entity, light_views: &[&LightView]) -> Self {
         let report = world
             .get_resource::<VirtualMapReports>()
             .and_then(|reports| reports.get(camera))
             .unwrap_or_default();
-        let Some(light_view) = light_view else {
-            return Self {
-                maps: Vec::new(),
-                selection: Selection::LastTile,
-                distance: 0.0,
-                virtual_map: None,
-            };
-        };
-        let whole = LightMap {
+        let size = UVec2::splat(u32::try_from(report.effective_resolution()).unwrap_or(u32::MAX));
+        let whole = |light_view: &&LightView| LightMap {
             clip_from_world: light_view.clip_from_world.as_dmat4(),
-            size: UVec2::splat(u32::try_from(report.effective_resolution()).unwrap_or(u32::MAX)),
+            size,
             near_depth: f64::from(light_view.near_depth),
             far_depth: f64::from(light_view.far_depth),
         };
-        let maps = report.tiles.iter().map(|drawn| {
-            let core = TileWindow::of_size(drawn.draw.window.core(), 0);
+        let wholes: Vec<LightMap> = light_views.iter().map(whole).collect();
+        // A frame without a light view draws no tile.
+        let tiles = || {
+            report.tiles.iter().filter_map(|drawn| {
+                let index = drawn.draw.light_view as usize;
+                Some((index, wholes.get(index)?, &drawn.draw))
+            })
+        };
+        let maps = tiles().map(|(_, whole, draw)| {
+            let core = TileWindow::of_size(draw.window.core(), 0);
             LightMap {
-                clip_from_world: drawn.draw.tile.clip_from_world(&whole.clip_from_world, &core),
+                clip_from_world: draw.tile.clip_from_world(&whole.clip_from_world, &core),
                 size: core.size,
-                ..whole
+                ..*whole
             }
         });
         Self {
             maps: maps.collect(),
             selection: Selection::LastTile,
-            distance: whole.far_depth,
-            virtual_map: Some(WholeMap {
-                map: whole,
-                tiles: report.tiles.iter().map(|drawn| drawn.draw.tile).collect(),
+            distance: wholes.last().map_or(0.0, |whole| whole.far_depth),
+            virtual_maps: (!wholes.is_empty()).then(|| WholeMaps {
+                tiles: tiles().map(|(index, _, draw)| (index, draw.tile)).collect(),
                 texels: report.texels(),
+                maps: wholes.clone(),
             }),
         }
     }
@@ -206,14 +217,14 @@ impl LightMaps {
             distance: maps.last().map_or(0.0, |map| map.far_depth),
             maps,
             selection: Selection::Cascades,
-            virtual_map: None,
+            virtual_maps: None,
         }
     }
 
     /// Texels of all maps, margins of tiles included.
     pub fn texels(&self) -> u64 {
-        match &self.virtual_map {
-            Some(whole) => whole.texels,
+        match &self.virtual_maps {
+            Some(wholes) => wholes.texels,
             None => self
                 .maps
                 .iter()
@@ -239,15 +250,17 @@ impl LightMaps {
             Selection::Cascades => maps
                 .find(|(_, map)| view_depth < map.far_depth)
                 .filter(|(_, map)| map.contains(point_world, 0.0)),
-            Selection::LastTile => return self.last_tile(point_world),
+            Selection::LastTile => return self.last_tile(point_world, view_depth),
         };
         found.map(|(index, _)| index)
     }
 
-    fn last_tile(&self, point_world: DVec3) -> Option<usize> {
-        let whole = self.virtual_map.as_ref()?;
-        let uv = map_uv(&whole.map.clip_from_world, point_world)?;
-        whole.tiles.iter().rposition(|tile| tile.contains(uv))
+    fn last_tile(&self, point_world: DVec3, view_depth: f64) -> Option<usize> {
+        let wholes = self.virtual_maps.as_ref()?;
+        let index = wholes.of_depth(view_depth);
+        let uv = map_uv(&wholes.maps.get(index)?.clip_from_world, point_world)?;
+        let mut tiles = wholes.tiles.iter();
+        tiles.rposition(|(whole, tile)| *whole == index && tile.contains(uv))
     }
 }
 
@@ -293,7 +306,7 @@ mod tests {
             maps: vec![map(10.0, 8.0), map(30.0, 25.0), map(100.0, 90.0)],
             selection,
             distance: 90.0,
-            virtual_map: None,
+            virtual_maps: None,
         }
     }
 
@@ -351,12 +364,13 @@ mod tests {
             place: UVec2::new(1, 0),
             counts,
         };
-        let tiles = vec![Tile::WHOLE, fine];
+        // A second map, from 40 m on.
+        let tiles = vec![(0, Tile::WHOLE), (0, fine), (1, Tile::WHOLE)];
         let window = TileWindow::of_size(UVec2::splat(64), 0);
         let found = LightMaps {
             maps: tiles
                 .iter()
-                .map(|tile| LightMap {
+                .map(|(_, tile)| LightMap {
                     clip_from_world: tile.clip_from_world(&whole.clip_from_world, &window),
                     size: window.size,
                     ..whole
@@ -364,8 +378,14 @@ mod tests {
                 .collect(),
             selection: Selection::LastTile,
             distance: 90.0,
-            virtual_map: Some(WholeMap {
-                map: whole,
+            virtual_maps: Some(WholeMaps {
+                maps: vec![
+                    LightMap {
+                        far_depth: 40.0,
+                        ..whole
+                    },
+                    whole,
+                ],
                 tiles,
                 texels: 9000,
             }),
@@ -375,6 +395,12 @@ mod tests {
         assert_eq!(found.select(DVec3::new(-50.0, 0.0, -50.0), 1.0), Some(0));
         assert_eq!(found.select(DVec3::new(50.0, 0.0, 50.0), 1.0), Some(0));
         assert_eq!(found.select(DVec3::X * 101.0, 1.0), None);
+        assert_eq!(found.select(DVec3::new(50.0, 0.0, -50.0), 39.9), Some(1));
+        assert_eq!(
+            found.select(DVec3::new(50.0, 0.0, -50.0), 40.0),
+            Some(2),
+            "the end is not part of the range"
+        );
         assert_eq!(found.texels(), 9000);
         let texel = found.maps[1].texel(DVec3::new(50.0, 0.0, -50.0));
         assert!(

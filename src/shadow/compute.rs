@@ -219,7 +219,7 @@ impl Fitter<'_> {
         let in_use = || slots.iter().copied();
         if self.settings.maps.is_virtual() {
             // Tiles have textures of their own.
-            return AtlasLayout::equal(1, 1, in_use());
+            return AtlasLayout::equal(1, 1, in_use().map(|_| 0));
         }
         match (self.settings.path, self.settings.partitions.resolution) {
             (ShadowPath::DropIn, _) => AtlasLayout::equal(size, 1, in_use().map(|_| 0)),

@@ -12,8 +12,9 @@ use crate::maths::virtual_map::{
     tiled::MAX_TILES_PER_AXIS,
 };
 
-/// The maps of a sun. Virtual maps are for the full path and have one light view for the whole range, with any warp:
-/// `partitions` and `map_size` mean nothing for them, and they store the nearest surface or back faces.
+/// The maps of a sun. Virtual maps are for the full path and have one light view for the whole range, with any warp; fitted
+/// ones may have one per z-partition, each with a map of its own. `map_size` means nothing for them, and they store the
+/// nearest surface or back faces.
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
 pub enum ShadowMaps {
     /// One map per partition, in an atlas.
@@ -143,8 +144,12 @@ pub(super) fn check(settings: &mut SunShadows) -> VirtualCorrections {
         corrections.path = true;
         return corrections;
     }
+    let count = match settings.maps {
+        ShadowMaps::Fitted(_) => settings.partitions.count,
+        _ => 1,
+    };
     settings.partitions = Partitions {
-        count: 1,
+        count,
         faces: Faces::Together,
         resolution: MapResolution::Equal,
         ..settings.partitions.clone()

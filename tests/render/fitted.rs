@@ -12,7 +12,7 @@ use umbrage::{
 };
 
 use crate::{
-    fitted_needs::{planned, scene},
+    fitted_needs::{planned, planned_partitions, scene},
     harness::{Harness, eye},
 };
 
@@ -132,6 +132,57 @@ fn fitted_tiles_are_as_good_as_all_of_them() {
             "{name}: {} of {tiled_texels} texels",
             report.texels()
         );
+    }
+}
+
+/// A map per z-partition: each pixel looks into that of its depth, and all of them together are as good as one.
+#[test]
+fn every_partition_has_a_map_of_its_own() {
+    let mut harness = scene(Warp::Lispsm, fitted());
+    let fine = TiledMaps {
+        tiles_per_axis: 16,
+        tile_size: 512,
+        ..default()
+    };
+    let expected = redrawn(&mut harness, ShadowMaps::Tiled(fine));
+    let edges = edge_pixels(&expected);
+    redrawn(&mut harness, ShadowMaps::Fitted(fitted()));
+    let pixels = planned(&harness).counts.pixels;
+    let world = harness.app.world_mut();
+    let mut suns = world.query::<&mut SunShadows>();
+    for mut sun in suns.iter_mut(world) {
+        sun.partitions.count = 3;
+    }
+    for feedback in [NeedFeedback::SameFrame, NeedFeedback::NextFrame { step: 0.1, turn: 1.0 }] {
+        let maps = ShadowMaps::Fitted(FittedMaps { feedback, ..fitted() });
+        let found = redrawn(&mut harness, maps.clone());
+        let (drawn, frames) = (report(&harness), planned_partitions(&harness));
+        for partition in 0..3 {
+            let own = drawn.tiles.iter().filter(|tile| tile.draw.light_view == partition);
+            assert!(own.count() > 0, "partition {partition} has no tile");
+        }
+        let counts = drawn.fitted.expect("counts");
+        let sum: u64 = frames.iter().map(|frame| frame.counts.pixels).sum();
+        assert_eq!(counts.pixels, sum);
+        // Pixels within rounding of a split count in both partitions.
+        assert!(
+            sum.abs_diff(pixels) * 100 < pixels,
+            "{sum} pixels in three maps, {pixels} in one"
+        );
+        let wrong = differing(&found, &expected);
+        println!("{feedback:?}: {wrong} of {edges} edge pixels differ, {} texels", drawn.texels());
+        assert!(wrong <= edges, "{feedback:?}: {wrong} pixels differ, {edges} lie at edges");
+        let schedule = TileSchedule {
+            is_reversed: true,
+            wave_size: 3,
+        };
+        harness.app.sub_app_mut(RenderApp).insert_resource(schedule);
+        let other = redrawn(&mut harness, maps);
+        assert_eq!(differing(&found, &other), 0, "another order");
+        harness
+            .app
+            .sub_app_mut(RenderApp)
+            .insert_resource(TileSchedule::default());
     }
 }
 

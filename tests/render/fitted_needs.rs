@@ -22,7 +22,7 @@ use umbrage::{
         virtual_map::fitted::{
             cells::{self, need_cells, words},
             measure::NeedBuffers,
-            plan::FittedFrame,
+            plan::{FittedFrame, FittedFrames},
         },
     },
     shadow::{
@@ -73,12 +73,17 @@ pub(crate) fn scene(warp: Warp, fitted: FittedMaps) -> Harness {
     harness
 }
 
-/// The tiles of the last frame.
+/// The tiles of the last frame, of its first z-partition.
 pub(crate) fn planned(harness: &Harness) -> FittedFrame {
+    planned_partitions(harness).swap_remove(0)
+}
+
+/// The tiles of the last frame by z-partition.
+pub(crate) fn planned_partitions(harness: &Harness) -> Vec<FittedFrame> {
     let entity = harness.app.world().get::<RenderEntity>(harness.camera);
     let entity = entity.expect("the camera is drawn").id();
-    let frame = harness.app.sub_app(RenderApp).world().get::<FittedFrame>(entity);
-    frame.expect("the frame is planned").clone()
+    let frames = harness.app.sub_app(RenderApp).world().get::<FittedFrames>(entity);
+    frames.expect("the frame is planned").0.clone()
 }
 
 /// The frame's tiles, the depths that they were planned from, and the words of the buffers.
@@ -93,8 +98,8 @@ fn measured(harness: &Harness) -> (FittedFrame, Vec<f32>, Vec<Vec<u32>>) {
     let render_world = harness.app.sub_app(RenderApp).world();
     let frame = planned(harness);
     let buffers = render_world.get::<NeedBuffers>(entity).expect("needs were measured");
-    let contents = buffers.outputs.iter().map(|buffer| {
-        let bytes = capture::read_buffer(render_world, buffer).expect("the buffer can be read");
+    let contents = buffers.outputs().into_iter().map(|buffer| {
+        let bytes = capture::read_buffer(render_world, &buffer).expect("the buffer can be read");
         words(&bytes)
     });
     let contents = contents.collect();
@@ -260,7 +265,7 @@ fn every_pixel_has_a_tile_that_is_fine_enough() {
         let Some(tile) = tiles.next() else {
             let is_inside = (patch.uv - 0.5).abs().max_element() < 0.5 - PLACE_ERROR;
             let is_far =
-                depths[index as usize] * 0.98 < request.camera.clip_from_view.w_axis.z as f32 / request.shadow_distance;
+                depths[index as usize] * 0.98 < request.camera.clip_from_view.w_axis.z as f32 / request.depths[1];
             assert!(!is_inside || is_far, "{pixel} at {} has no tile", patch.uv);
             continue;
         };

@@ -171,7 +171,7 @@ fn tiles_have_the_depths_of_one_map() {
         });
         let tile = stage
             .harness
-            .camera_texture::<VirtualMap>(stage.harness.camera, |map| map.texture(0).expect("a texture"));
+            .camera_texture::<VirtualMap>(stage.harness.camera, |map| map.texture().expect("a texture"));
         let corner = if is_reversed { 0 } else { 3 * 512 };
         let mut off = 0;
         for (index, depth) in tile.to_f32().iter().enumerate() {
@@ -245,7 +245,7 @@ fn tiles_are_culled() {
 fn the_memory_of_tiles_is_bounded() {
     let mut stage = Stage::new(one_map(Warp::Uniform, ShadowFilter::Hard));
     let expected = stage.virtual_result(ShadowMaps::Tiled(tiled(2, 1024)));
-    assert_eq!(stage.report().texture_bytes, 4 * (4 << 20), "four textures of 4 MiB");
+    assert_eq!(stage.report().texture_bytes, 16 * (4 << 20), "sixteen textures of 4 MiB");
     let found = stage.virtual_result(ShadowMaps::Tiled(TiledMaps {
         memory: 1,
         ..tiled(2, 1024)

@@ -72,8 +72,8 @@ pub struct TexelHeatMap {
 impl TexelHeatMap {
     /// The maps; a virtual map as a whole, at its finest.
     fn shown(&self) -> &[LightMap] {
-        match &self.light_maps.virtual_map {
-            Some(whole) => std::slice::from_ref(&whole.map),
+        match &self.light_maps.virtual_maps {
+            Some(wholes) => &wholes.maps,
             None => &self.light_maps.maps,
         }
     }
@@ -98,7 +98,8 @@ impl TexelHeatMap {
                 Selection::BestResolution => 1,
                 Selection::Cascades => 2,
                 Selection::Finest => 3,
-                Selection::LastTile => 1,
+                // Virtual maps are chosen by depth.
+                Selection::LastTile => 0,
             },
             opacity: self.opacity,
             ..default()

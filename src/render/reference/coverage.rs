@@ -201,7 +201,7 @@ mod tests {
             maps,
             selection: Selection::Depth,
             distance: 100.0,
-            virtual_map: None,
+            virtual_maps: None,
         }
     }
 

@@ -162,7 +162,7 @@ mod tests {
             }],
             selection: Selection::Depth,
             distance: 100.0,
-            virtual_map: None,
+            virtual_maps: None,
         }
     }
 

@@ -8,7 +8,8 @@
 //!              └─► draw_virtual_maps, an exclusive system, for each camera:
 //!                    lists of tiles                                            tiled, queried, fitted
 //!                    └─► waves of up to 16 tiles: one culling dispatch         record
-//!                        └─► each tile: casters ─► tile texture ─► result      textures, apply_tile.wgsl
+//!                        ├─► each tile: casters ─► a texture of its own        textures
+//!                        └─► all of them ─► result                             apply_tile.wgsl
 //!                    └─► counts of changed pixels read back, next list         queried
 //! ```
 //!
@@ -126,9 +127,9 @@ pub struct VirtualMap {
 }
 
 impl VirtualMap {
-    /// A tile texture, the largest first; it holds the tile that was drawn into it last.
-    pub fn texture(&self, index: usize) -> Option<&Texture> {
-        self.textures.get(index)
+    /// The largest tile texture; it holds the tile that was drawn into it last.
+    pub fn texture(&self) -> Option<&Texture> {
+        self.textures.largest()
     }
 }
 

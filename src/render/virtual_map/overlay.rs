@@ -77,6 +77,8 @@ fn marks(tiles: &[DrawnTile], opacity: f32) -> Vec<GpuTileMark> {
         color: tile_color((texels(tile) / coarsest).ilog2())
             .with_alpha(opacity)
             .to_vec4(),
+        light_view: tile.draw.light_view,
+        ..default()
     });
     marks.collect()
 }

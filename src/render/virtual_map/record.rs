@@ -1,4 +1,5 @@
-//! Records tiles: casters into a tile texture, then the tile into the shadow result, one after the other.
+//! Records tiles: casters into tile textures, then all of these into the shadow result, as many at a time as there are
+//! textures for.
 
 use std::collections::HashMap;
 
@@ -14,8 +15,8 @@ use bevy::{
             BindingResource, Buffer, BufferBinding, BufferInitDescriptor, BufferUsages, CachedRenderPipelineId,
             ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, FragmentState, LoadOp, Operations,
             PipelineCache, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
-            RenderPipeline, RenderPipelineDescriptor, ShaderStages, ShaderType, StoreOp, TextureSampleType,
-            TextureView, TextureViewId,
+            RenderPipeline, RenderPipelineDescriptor, ShaderStages, ShaderType, StoreOp, Texture, TextureSampleType,
+            TextureView,
             binding_types::{
                 storage_buffer_read_only, storage_buffer_sized, texture_2d, texture_depth_2d, uniform_buffer,
             },
@@ -140,8 +141,8 @@ pub(super) struct TileList<'a> {
     pub(super) counting: Option<Counting<'a>>,
 }
 
-/// Records the tiles of a list, in waves: one culling dispatch for the tiles of a wave, then for each tile its casters
-/// and its application. Returns whether they were recorded: not while pipelines are compiled or something is missing.
+/// Records the tiles of a list, in waves: one culling dispatch for the tiles of a wave, then the casters of each in a pass of
+/// its own, and one pass that applies them. A wave that lacks textures applies its tiles in several passes. Returns whether they were recorded: not while pipelines are compiled or something is missing.
 pub(super) fn record_tiles(world: &World, ctx: &mut RenderContext, camera: Entity, list: &TileList) -> bool {
     let Some(recording) = Recording::new(world, ctx.render_device(), camera, list) else {
         return false;
@@ -152,13 +153,16 @@ pub(super) fn record_tiles(world: &World, ctx: &mut RenderContext, camera: Entit
         order.reverse();
     }
     let slots = recording.slots.len().min(schedule.wave_size as usize).max(1);
-    let mut bind_groups = HashMap::new();
+    let mut bind_groups = BindGroups::new();
     let mut first_counter = list.first_tile;
     for wave in order.chunks(slots) {
-        let matrices: Vec<Mat4> = wave
-            .iter()
-            .map(|index| list.tiles[*index].clip_from_world(&recording.map_clip_from_world))
-            .collect();
+        let matrix = |index: &usize| {
+            let draw = &list.tiles[*index];
+            let map = recording.maps.get(draw.light_view as usize);
+            // A tile of no light view shows nothing.
+            map.map_or(Mat4::ZERO, |map| draw.clip_from_world(map))
+        };
+        let matrices: Vec<Mat4> = wave.iter().map(matrix).collect();
         let matrices = storage_buffer(ctx.render_device(), "umbrage_tile_matrices", &matrices);
         let count = wave.len() as u32;
         if !cull_casters(world, ctx, recording.plan, &matrices, count, first_counter) {
@@ -175,19 +179,53 @@ pub(super) fn record_tiles(world: &World, ctx: &mut RenderContext, camera: Entit
                 MATRIX_BYTES,
             );
         }
+        let mut drawn: Vec<DrawnTile> = Vec::new();
         for (slot, index) in wave.iter().enumerate() {
-            recording.draw_and_apply(world, ctx, list, *index, recording.slots[slot].0, &mut bind_groups);
+            let draw = &list.tiles[*index];
+            let Some(scissor) = recording.visible_part(draw) else {
+                continue;
+            };
+            let is_free = |texture: usize| drawn.iter().all(|tile| tile.texture != texture);
+            let texture = list.textures.smallest_for(draw.texture, is_free).or_else(|| {
+                recording.apply(world, ctx, list, &drawn, &mut bind_groups);
+                drawn.clear();
+                list.textures.smallest_for(draw.texture, |_| true)
+            });
+            let Some(texture) = texture else {
+                continue;
+            };
+            recording.draw(world, ctx, draw, recording.slots[slot].0, list.textures.get(texture));
+            drawn.push(DrawnTile {
+                index: *index,
+                texture,
+                scissor,
+            });
         }
+        recording.apply(world, ctx, list, &drawn, &mut bind_groups);
     }
     true
+}
+
+/// A tile that is drawn and not applied yet.
+struct DrawnTile {
+    /// In the list.
+    index: usize,
+    /// The texture that holds it.
+    texture: usize,
+    /// Pixels that it is applied to.
+    scissor: URect,
 }
 
 /// Of a matrix in a buffer.
 const MATRIX_BYTES: u64 = 64;
 
+/// Of apply passes, by the texture that they read.
+type BindGroups = HashMap<usize, BindGroup>;
+
 /// What all tiles of a list share.
 struct Recording<'a> {
-    map_clip_from_world: DMat4,
+    /// World to light clip space, by light view.
+    maps: Vec<DMat4>,
     plan: &'a CasterPlan,
     views: &'a CasterViews,
     /// Render views that tiles use in turn, and where their uniforms lie in `view_buffer`.
@@ -222,9 +260,10 @@ impl<'a> Recording<'a> {
             .min_storage_buffer_offset_alignment
             .max(GpuShadowTile::min_size().get() as u32);
         let tolerance = list.counting.as_ref().map_or(0.0, |counting| counting.tolerance);
-        let light_view = camera.get::<ExtractedSun>()?.light_views.first()?;
+        let light_views = camera.get::<ExtractedSun>()?.light_views.iter();
+        let maps = light_views.map(|light_view| light_view.clip_from_world.as_dmat4());
         Some(Self {
-            map_clip_from_world: light_view.clip_from_world.as_dmat4(),
+            maps: maps.collect(),
             plan,
             views,
             slots: slots.filter(|slots| !slots.is_empty())?,
@@ -242,38 +281,6 @@ impl<'a> Recording<'a> {
         })
     }
 
-    fn draw_and_apply(
-        &self,
-        world: &World,
-        ctx: &mut RenderContext,
-        list: &TileList,
-        index: usize,
-        slot: Entity,
-        bind_groups: &mut HashMap<TextureViewId, BindGroup>,
-    ) {
-        let draw = &list.tiles[index];
-        let Some((texture, target)) = list.textures.of(draw.texture, index) else {
-            return;
-        };
-        let Some(scissor) = self.visible_part(draw) else {
-            return;
-        };
-        let fills = UVec2::new(texture.width(), texture.height()) == draw.window.size;
-        self.draw(world, ctx, draw, slot, target, fills);
-        if !bind_groups.contains_key(&target.id()) {
-            let Some(bind_group) = self.bind_group(world, ctx, list, target) else {
-                return;
-            };
-            bind_groups.insert(target.id(), bind_group);
-        }
-        self.apply(
-            ctx,
-            scissor,
-            &bind_groups[&target.id()],
-            index as u32 * self.tile_stride,
-        );
-    }
-
     /// Casters into the tile's corner of a texture.
     fn draw(
         &self,
@@ -281,9 +288,9 @@ impl<'a> Recording<'a> {
         ctx: &mut RenderContext,
         draw: &TileDraw,
         slot: Entity,
-        target: &TextureView,
-        fills: bool,
+        (texture, target): &(Texture, TextureView),
     ) {
+        let fills = UVec2::new(texture.width(), texture.height()) == draw.window.size;
         let Some(phase) = world
             .resource::<ViewBinnedRenderPhases<Caster>>()
             .get(&self.views.retained_master)
@@ -317,10 +324,27 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// The tile into the shadow result of its pixels.
-    fn apply(&self, ctx: &mut RenderContext, scissor: URect, bind_group: &BindGroup, tile_offset: u32) {
+    /// Tiles into the shadow result of their pixels, in their order.
+    fn apply(
+        &self,
+        world: &World,
+        ctx: &mut RenderContext,
+        list: &TileList,
+        drawn: &[DrawnTile],
+        bind_groups: &mut BindGroups,
+    ) {
+        for tile in drawn {
+            if !bind_groups.contains_key(&tile.texture)
+                && let Some(bind_group) = self.bind_group(world, ctx, list, &list.textures.get(tile.texture).1)
+            {
+                bind_groups.insert(tile.texture, bind_group);
+            }
+        }
+        if drawn.is_empty() {
+            return;
+        }
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("umbrage_apply_tile"),
+            label: Some("umbrage_apply_tiles"),
             color_attachments: &[Some(RenderPassColorAttachment {
                 view: &self.result.view,
                 depth_slice: None,
@@ -338,10 +362,20 @@ impl<'a> Recording<'a> {
         if let Some(viewport) = &self.camera.viewport {
             pass.set_camera_viewport(viewport);
         }
-        pass.set_scissor_rect(scissor.min.x, scissor.min.y, scissor.width(), scissor.height());
         pass.set_render_pipeline(self.apply.1);
-        pass.set_bind_group(0, bind_group, &[self.view_offset, tile_offset]);
-        pass.draw(0..3, 0..1);
+        for DrawnTile {
+            index,
+            texture,
+            scissor,
+        } in drawn
+        {
+            let Some(bind_group) = bind_groups.get(texture) else {
+                continue;
+            };
+            pass.set_scissor_rect(scissor.min.x, scissor.min.y, scissor.width(), scissor.height());
+            pass.set_bind_group(0, bind_group, &[self.view_offset, *index as u32 * self.tile_stride]);
+            pass.draw(0..3, 0..1);
+        }
     }
 
     /// The part of a tile's rectangle that the camera draws to.

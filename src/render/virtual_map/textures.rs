@@ -10,11 +10,14 @@ use bevy::{
 
 use crate::{
     maths::virtual_map::memory::BYTES_PER_TEXEL,
-    render::atlas::{ATLAS_FORMAT, create_target},
+    render::{
+        atlas::{ATLAS_FORMAT, create_target},
+        caster::prepare::TILE_SLOTS,
+    },
 };
 
-/// More textures of one size than this gain nothing: a tile is drawn while the one before it is applied.
-const MAX_COPIES: usize = 4;
+/// Most textures of one size: tiles that are drawn before they are applied together.
+const MAX_COPIES: usize = TILE_SLOTS;
 
 /// Depth textures for tiles.
 #[derive(Debug, Default)]
@@ -22,7 +25,8 @@ pub struct TileTextures(Vec<(Texture, TextureView)>);
 
 impl TileTextures {
     /// Makes, keeps or drops textures for tiles of some sizes: one of each size as far as the budget in bytes goes, from
-    /// the largest down, else tiles use the corner of a larger one. Of a single size a few, so that tiles overlap in time.
+    /// the largest down, else tiles use the corner of a larger one. What is left of the budget goes to copies, of the smallest
+    /// first, so that many tiles can be applied together.
     ///
     /// The largest is made even if it does not fit: that is for the caller to avoid.
     pub fn prepare(&mut self, device: &RenderDevice, sizes: &[UVec2], budget_bytes: u64) {
@@ -37,19 +41,22 @@ impl TileTextures {
         }
     }
 
-    /// The texture for the `turn`-th tile of a size: the smallest that holds it; the same one for equal numbers.
-    pub fn of(&self, size: UVec2, turn: usize) -> Option<&(Texture, TextureView)> {
-        let holds = |texture: &Texture| size_of(texture).cmpge(size).all();
-        let area = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
-        let candidates = || self.0.iter().filter(|(texture, _)| holds(texture));
-        let least = candidates().map(|(texture, _)| area(texture)).min()?;
-        let equal: Vec<_> = candidates().filter(|(texture, _)| area(texture) == least).collect();
-        equal.get(turn % equal.len().max(1)).copied()
+    /// The smallest free texture that holds a tile of a size: its number.
+    pub fn smallest_for(&self, size: UVec2, is_free: impl Fn(usize) -> bool) -> Option<usize> {
+        let textures = self.0.iter().enumerate();
+        let fitting = textures.filter(|(index, (texture, _))| is_free(*index) && size_of(texture).cmpge(size).all());
+        let smallest = fitting.min_by_key(|(_, (texture, _))| bytes(size_of(texture)));
+        smallest.map(|(index, _)| index)
     }
 
     /// One of them, the largest first.
-    pub fn get(&self, index: usize) -> Option<&Texture> {
-        self.0.get(index).map(|(texture, _)| texture)
+    pub fn get(&self, index: usize) -> &(Texture, TextureView) {
+        &self.0[index]
+    }
+
+    /// The largest of them.
+    pub fn largest(&self) -> Option<&Texture> {
+        self.0.first().map(|(texture, _)| texture)
     }
 
     /// Bytes of all of them.
@@ -72,10 +79,6 @@ fn affordable(sizes: &[UVec2], budget_bytes: u64) -> Vec<UVec2> {
     let mut sizes: Vec<UVec2> = sizes.iter().copied().filter(|size| size.min_element() > 0).collect();
     sizes.sort_by_key(|size| std::cmp::Reverse((bytes(*size), size.x)));
     sizes.dedup();
-    if let [only] = sizes[..] {
-        let copies = (budget_bytes / bytes(only)).clamp(1, MAX_COPIES as u64);
-        return vec![only; copies as usize];
-    }
     let mut spent = 0;
     let mut made: Vec<UVec2> = Vec::new();
     for size in sizes {
@@ -85,6 +88,13 @@ fn affordable(sizes: &[UVec2], budget_bytes: u64) -> Vec<UVec2> {
             made.push(size);
         }
     }
+    for size in made.clone().into_iter().rev() {
+        let affordable = budget_bytes.saturating_sub(spent) / bytes(size);
+        let copies = affordable.min(MAX_COPIES as u64 - 1);
+        spent += copies * bytes(size);
+        made.extend(std::iter::repeat_n(size, copies as usize));
+    }
+    made.sort_by_key(|size| std::cmp::Reverse((bytes(*size), size.x)));
     made
 }
 
@@ -96,8 +106,8 @@ mod tests {
     fn budgets_are_kept_where_a_corner_is_free() {
         let square = UVec2::splat;
         let sizes = [square(64), square(256), square(128), square(64)];
-        let all = affordable(&sizes, 1 << 20);
-        assert_eq!(all, [square(256), square(128), square(64)]);
+        let each = bytes(square(256)) + bytes(square(128)) + bytes(square(64));
+        assert_eq!(affordable(&sizes, each), [square(256), square(128), square(64)]);
         let some = affordable(&sizes, bytes(square(256)) + bytes(square(64)));
         assert_eq!(some, [square(256), square(64)], "128² uses a corner of 256²");
         assert_eq!(affordable(&sizes, bytes(square(256))), [square(256)]);
@@ -107,11 +117,17 @@ mod tests {
     }
 
     #[test]
-    fn one_size_is_copied_within_the_budget() {
+    fn copies_use_what_is_left_of_the_budget() {
         let size = UVec2::splat(512);
         assert_eq!(affordable(&[size], 64 << 20).len(), MAX_COPIES);
         assert_eq!(affordable(&[size, size], 2 << 20).len(), 2);
         assert_eq!(affordable(&[size], 0).len(), 1);
         assert_eq!(affordable(&[], 1 << 20), []);
+        // 4 MiB and 1 MiB: what is left of 12 MiB are 7 more of the small ones.
+        let some = affordable(&[size, 2 * size], 12 << 20);
+        assert_eq!(some, [vec![2 * size; 1], vec![size; 8]].concat());
+        // 16 MiB of small ones, and one more large one.
+        let more = affordable(&[size, 2 * size], 26 << 20);
+        assert_eq!(more, [vec![2 * size; 2], vec![size; MAX_COPIES]].concat());
     }
 }

@@ -18,6 +18,8 @@ use crate::{
 /// A tile to draw and apply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileDraw {
+    /// Index of the light view whose map it is a part of.
+    pub light_view: u32,
     /// Which part of the map.
     pub tile: Tile,
     /// What is drawn of it: core and margins.
@@ -30,9 +32,10 @@ pub struct TileDraw {
 }
 
 impl TileDraw {
-    /// A tile that fills its texture.
+    /// A tile of the first light view that fills its texture.
     pub fn filling(tile: Tile, window: TileWindow, rect: PixelRect) -> Self {
         Self {
+            light_view: 0,
             tile,
             window,
             texture: window.size,
@@ -60,6 +63,7 @@ impl TileDraw {
             counts: self.tile.counts.as_vec2(),
             report,
             tolerance,
+            light_view: self.light_view,
             ..default()
         }
     }

@@ -21,6 +21,7 @@ use crate::{
 
 pub(super) const TOPIC: Topic = Topic {
     keys: &[
+        Key::full("slices", "z-partitions with a map each, 1..=16"),
         Key::full("xi", "levels off every need, -4..=5; less is finer"),
         Key::full("n", "most tiles per axis, a power of two 1..=64"),
         Key::full(
@@ -57,6 +58,16 @@ fn power(text: &str, range: RangeInclusive<u32>) -> Option<u32> {
 
 fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> {
     check(settings, pairs)?;
+    for key in ["select", "resolution"] {
+        if pairs.has(key) {
+            return Err(TechniqueError::together(format!(
+                "`{key}=` means nothing with `fitted`: pixels find their map by depth, and each is as fine as they need it"
+            )));
+        }
+    }
+    set(&mut settings.partitions.count, pairs, "slices", |text| {
+        whole(text, 1..=SunShadows::MAX_PARTITIONS)
+    })?;
     let ShadowMaps::Fitted(fitted) = &mut settings.maps else {
         return Ok(());
     };
@@ -156,6 +167,8 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
             pairs.push(text);
         }
     };
+    let slices = settings.partitions.count;
+    push(slices != 1, format!("slices={slices}"));
     push(
         found.quality_drop != default.quality_drop,
         format!("xi={}", found.quality_drop),
@@ -255,6 +268,8 @@ mod tests {
             "fitted:map=64",
             "fitted:need=extent,tile_cost=1000",
             "fitted:feedback=next",
+            "fitted+lispsm:slices=4,split=log",
+            "fitted:slices=2,xi=1,splits=20",
         ] {
             let technique: Technique = text.parse().unwrap_or_else(|error| panic!("{text}: {error}"));
             assert_eq!(technique.to_string(), text.replace(' ', ""));
@@ -272,6 +287,10 @@ mod tests {
             ("fitted:step=1", "feedback=next"),
             ("fitted:mode=4", "exact"),
             ("fitted:size=512", "virtual maps"),
+            ("fitted:slices=17", "1..=16"),
+            ("fitted:slices=2,select=best", "by depth"),
+            ("fitted:slices=3,splits=20", "2 distances"),
+            ("tiled:slices=2", "`tiled`"),
             ("fitted:min=300", "`fitted`"),
             ("zp4:xi=0", "`zp4`"),
         ] {

@@ -245,7 +245,7 @@ impl Technique {
                 queried.refinement.max_tiles_per_axis, queried.refinement.tile_size
             ),
             ShadowMaps::Fitted(fitted) => format!(
-                "one map of at most {0} x {0} tiles of {1} x {1} texels, as fine as the pixels need it",
+                "{maps} of at most {0} x {0} tiles of {1} x {1} texels, as fine as the pixels need it",
                 fitted.tiles_per_axis, fitted.tile_size_max
             ),
         };

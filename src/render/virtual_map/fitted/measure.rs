@@ -97,18 +97,47 @@ impl Measurement {
     }
 }
 
-/// On a camera's render entity: buffers that the passes write.
+/// On a camera's render entity: buffers of the passes, by z-partition.
 #[derive(Component, Clone, Debug)]
-pub struct NeedBuffers {
+pub struct NeedBuffers(pub Vec<PassBuffers>);
+
+impl NeedBuffers {
+    /// Buffers of these sizes, by pass.
+    pub fn new(device: &RenderDevice, sizes: &[Vec<u64>]) -> Self {
+        Self(sizes.iter().map(|sizes| PassBuffers::new(device, sizes)).collect())
+    }
+
+    /// Whether they have these sizes.
+    pub fn is_for(&self, sizes: &[Vec<u64>]) -> bool {
+        self.0.len() == sizes.len() && self.0.iter().zip(sizes).all(|(buffers, sizes)| buffers.is_for(sizes))
+    }
+
+    /// What all passes write.
+    pub fn outputs(&self) -> Vec<Buffer> {
+        self.0
+            .iter()
+            .flat_map(|buffers| buffers.outputs.iter().cloned())
+            .collect()
+    }
+
+    /// Bytes of memory.
+    pub fn bytes(&self) -> u64 {
+        self.0.iter().map(PassBuffers::bytes).sum()
+    }
+}
+
+/// What one pass reads and writes.
+#[derive(Clone, Debug)]
+pub struct PassBuffers {
     /// What the pass reads: `NeedParameters`.
     pub parameters: Buffer,
     /// In the order of the bindings from 4 on.
     pub outputs: Vec<Buffer>,
 }
 
-impl NeedBuffers {
+impl PassBuffers {
     /// Buffers of these sizes.
-    pub fn new(device: &RenderDevice, sizes: &[u64]) -> Self {
+    fn new(device: &RenderDevice, sizes: &[u64]) -> Self {
         let create = |label, size, usage| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
@@ -128,16 +157,14 @@ impl NeedBuffers {
         }
     }
 
-    /// Whether they have these sizes.
-    pub fn is_for(&self, sizes: &[u64]) -> bool {
+    fn is_for(&self, sizes: &[u64]) -> bool {
         self.outputs
             .iter()
             .map(|buffer| buffer.size())
             .eq(sizes.iter().copied())
     }
 
-    /// Bytes of memory.
-    pub fn bytes(&self) -> u64 {
+    fn bytes(&self) -> u64 {
         self.parameters.size() + self.outputs.iter().map(|buffer| buffer.size()).sum::<u64>()
     }
 }
@@ -148,7 +175,7 @@ pub fn record(
     camera: Entity,
     measurement: &Measurement,
     parameters: &NeedParameters,
-    buffers: &NeedBuffers,
+    buffers: &PassBuffers,
     encoder: &mut CommandEncoder,
 ) -> bool {
     let (Some(pipelines), Some(cache), Some(device)) = (
@@ -190,7 +217,7 @@ fn bind_group(
     world: &World,
     camera: Entity,
     layout: &bevy::render::render_resource::BindGroupLayout,
-    buffers: &NeedBuffers,
+    buffers: &PassBuffers,
 ) -> Option<(BindGroup, u32)> {
     let view = world.get_resource::<ViewUniforms>()?.uniforms.binding()?;
     let offset = world.get::<ViewUniformOffset>(camera)?.offset;

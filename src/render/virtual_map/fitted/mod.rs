@@ -8,6 +8,9 @@
 //!               ──► plan       pyramid and traversal on the CPU ──► FittedFrame: tiles, their sizes and rectangles
 //!               ──► TileFrame  draws and applies them
 //! ```
+//!
+//! With z-partitions all that happens once per partition, for the pixels of its interval of view depth; all partitions are
+//! measured before the one read-back.
 
 pub mod cells;
 pub mod measure;
@@ -15,7 +18,8 @@ pub mod overlay;
 pub mod parameters;
 pub mod pipeline;
 pub mod plan;
-pub use std::time::Instant;
+
+use std::time::{Duration, Instant};
 
 use bevy::{
     math::Vec4Swizzles,
@@ -30,11 +34,14 @@ use bevy::{
 };
 
 use self::{
-    measure::NeedBuffers,
+    measure::{Measurement, NeedBuffers},
     parameters::PictureCamera,
-    plan::{FittedFrame, FittedRequest},
+    plan::{FittedFrame, FittedFrames, FittedRequest},
 };
-use super::{TileFrame, tiles::margin};
+use super::{
+    TileFrame,
+    tiles::{TileDraw, margin},
+};
 use crate::{
     render::{
         atlas::prepare_atlas,
@@ -63,7 +70,7 @@ impl Plugin for FittedPlugin {
             .add_systems(
                 Render,
                 (
-                    take_earlier_light_view
+                    take_earlier_light_views
                         .in_set(RenderSystems::PrepareViews)
                         .before(prepare_atlas)
                         .before(prepare_caster_views),
@@ -77,14 +84,14 @@ impl Plugin for FittedPlugin {
 #[derive(Component, Default)]
 pub(super) struct FittedState {
     read_back: Option<ReadBack>,
-    /// What the contents of `read_back` were measured for, if this frame uses them.
-    earlier: Option<FittedRequest>,
-    /// The light view of this frame, where the tiles are cut from an earlier one.
-    own_light_view: Option<LightView>,
+    /// What the contents of `read_back` were measured for, by z-partition, if this frame uses them.
+    earlier: Option<Vec<FittedRequest>>,
+    /// The light views of this frame, where the tiles are cut from earlier ones.
+    own_light_views: Option<Vec<LightView>>,
 }
 
-/// Where the tiles will come from the needs of the frame before, the whole frame takes the light view of that frame.
-fn take_earlier_light_view(
+/// Where the tiles will come from the needs of the frame before, the whole frame takes the light views of that frame.
+fn take_earlier_light_views(
     mut cameras: Query<(
         &mut ExtractedSun,
         &ExtractedView,
@@ -93,25 +100,27 @@ fn take_earlier_light_view(
     )>,
 ) {
     for (mut sun, view, jitter, mut state) in &mut cameras {
-        let earlier = state.earlier.take();
-        state.own_light_view = None;
-        let (Some(earlier), Some(light_view)) = (earlier, sun.light_views.first()) else {
+        state.own_light_views = None;
+        let Some(earlier) = state.earlier.take() else {
             continue;
         };
         let ShadowMaps::Fitted(settings) = &sun.settings.maps else {
             continue;
         };
-        // Margins may follow the light view, so the earlier map says how large tiles are.
-        let now = FittedRequest {
-            settings: settings.clone(),
-            map: earlier.map,
-            light_view: light_view.clone(),
-            shadow_distance: sun.shadow_distance,
-            camera: picture_camera(view, jitter),
+        let camera = picture_camera(view, jitter);
+        let is_served = |(partition, earlier): (usize, &FittedRequest)| {
+            let now = FittedRequest {
+                settings: settings.clone(),
+                light_view: sun.light_views[partition].clone(),
+                camera,
+                // Margins may follow the light view, so the earlier map says how large tiles are, and which pixels are its.
+                ..earlier.clone()
+            };
+            now.is_served_by(earlier)
         };
-        if now.is_served_by(&earlier) {
-            sun.light_views[0] = earlier.light_view.clone();
-            state.own_light_view = Some(now.light_view);
+        if earlier.len() == sun.light_views.len() && earlier.iter().enumerate().all(is_served) {
+            let earlier_views = earlier.iter().map(|request| request.light_view.clone()).collect();
+            state.own_light_views = Some(std::mem::replace(&mut sun.light_views, earlier_views));
             state.earlier = Some(earlier);
         }
     }
@@ -123,7 +132,7 @@ fn drop_fitted_maps(mut commands: Commands, cameras: Query<(Entity, Option<&Extr
         if !sun.is_some_and(|sun| matches!(sun.settings.maps, ShadowMaps::Fitted(_))) {
             commands
                 .entity(camera)
-                .remove::<(FittedFrame, FittedState, NeedBuffers)>();
+                .remove::<(FittedFrames, FittedState, NeedBuffers)>();
         }
     }
 }
@@ -141,51 +150,80 @@ fn picture_camera(view: &ExtractedView, jitter: Option<&TemporalJitter>) -> Pict
     }
 }
 
-/// Draws a fitted map.
+/// Draws a fitted map, or one per z-partition.
 pub(super) fn draw(frame: &mut TileFrame, settings: &FittedMaps) {
     let camera = frame.camera;
     let mut state = frame.world.entity_mut(camera).take::<FittedState>().unwrap_or_default();
-    let planned = request(frame, settings, &mut state).and_then(|request| planned(frame, request, &mut state));
+    let planned = requests(frame, settings, &mut state).and_then(|requests| planned(frame, requests, &mut state));
     frame.world.entity_mut(camera).insert(state);
     let Some(planned) = planned else {
-        frame.world.entity_mut(camera).remove::<FittedFrame>();
+        frame.world.entity_mut(camera).remove::<FittedFrames>();
         return;
     };
-    frame.prepare_textures(&planned.texture_sizes());
-    frame.draw(&planned.tile_draws());
-    frame.report.buffer_bytes = planned.counts.buffer_bytes;
-    frame.report.fitted = Some(planned.counts);
+    let tiles: Vec<TileDraw> = planned.0.iter().flat_map(FittedFrame::tile_draws).collect();
+    let sizes: Vec<UVec2> = planned.0.iter().flat_map(FittedFrame::texture_sizes).collect();
+    frame.prepare_textures(&sizes);
+    frame.draw(&tiles);
+    let counts = planned.counts();
+    frame.report.buffer_bytes = counts.buffer_bytes;
+    frame.report.fitted = Some(counts);
     frame.world.entity_mut(camera).insert(planned);
 }
 
-/// What the camera's sun asks for. `None` when there is nothing to look at, or not even the smallest tile fits the memory.
-fn request(frame: &TileFrame, settings: &FittedMaps, state: &mut FittedState) -> Option<FittedRequest> {
+/// What the camera's sun asks for, by z-partition. `None` when there is nothing to look at, or not even the smallest tile
+/// fits the memory.
+fn requests(frame: &TileFrame, settings: &FittedMaps, state: &mut FittedState) -> Option<Vec<FittedRequest>> {
     let view = frame.world.get::<ExtractedView>(frame.camera)?;
     let camera = picture_camera(view, frame.world.get::<TemporalJitter>(frame.camera));
-    let own = state.own_light_view.take();
-    let light_view = own.or_else(|| frame.sun.light_views.first().cloned())?;
-    let margin = margin(
-        frame.sun.settings.filter,
-        &light_view.clip_from_world.as_dmat4(),
-        f64::from(settings.texels_per_axis()),
-        settings.tile_size_max,
-    );
-    let map = settings.map(margin, frame.texture_budget())?;
-    (camera.size.min_element() > 0).then(|| FittedRequest {
-        settings: settings.clone(),
-        map,
-        light_view,
-        shadow_distance: frame.sun.shadow_distance,
-        camera,
-    })
+    if camera.size.min_element() == 0 {
+        return None;
+    }
+    let own = state.own_light_views.take();
+    let light_views = own.unwrap_or_else(|| frame.sun.light_views.clone());
+    let ends: Vec<f32> = light_views.iter().map(|light_view| light_view.far_depth).collect();
+    let depths = partition_depths(&ends, frame.sun.shadow_distance);
+    let request = |(partition, (light_view, depths)): (u32, (LightView, [f32; 2]))| {
+        let margin = margin(
+            frame.sun.settings.filter,
+            &light_view.clip_from_world.as_dmat4(),
+            f64::from(settings.texels_per_axis()),
+            settings.tile_size_max,
+        );
+        Some(FittedRequest {
+            settings: settings.clone(),
+            map: settings.map(margin, frame.texture_budget())?,
+            light_view,
+            partition,
+            depths,
+            camera,
+        })
+    };
+    (0..).zip(light_views.into_iter().zip(depths)).map(request).collect()
 }
 
-/// Measures, and plans from this measurement or the earlier one.
-fn planned(frame: &mut TileFrame, request: FittedRequest, state: &mut FittedState) -> Option<FittedFrame> {
+/// The view depths in metres of the pixels that look into the map of each z-partition, from where the partitions end: as
+/// `view_of_depth` in `selection.wgsl` decides, and a little more. The measurement is another shader, and may round a
+/// pixel's depth to the other side.
+fn partition_depths(ends: &[f32], shadow_distance: f32) -> Vec<[f32; 2]> {
+    let slack = |depth: f32| 1.0e-3 + 1.0e-5 * depth;
+    let Some((_, inner)) = ends.split_last() else {
+        return Vec::new();
+    };
+    let starts = std::iter::once(f32::MIN).chain(inner.iter().map(|end| end - slack(*end)));
+    let ends = inner.iter().map(|end| (end + slack(*end)).min(shadow_distance));
+    starts
+        .zip(ends.chain([shadow_distance]))
+        .map(|(start, end)| [start, end])
+        .collect()
+}
+
+/// Measures, and plans from this measurement or the earlier one. All maps are measured and read back together.
+fn planned(frame: &mut TileFrame, requests: Vec<FittedRequest>, state: &mut FittedState) -> Option<FittedFrames> {
     let (world, camera) = (&mut *frame.world, frame.camera);
     let device = world.resource::<RenderDevice>().clone();
-    let measurement = request.measurement();
-    let sizes = measurement.sizes();
+    let measurements: Vec<_> = requests.iter().map(FittedRequest::measurement).collect();
+    let sizes: Vec<Vec<u64>> = measurements.iter().map(Measurement::sizes).collect();
+    let all_sizes = sizes.concat();
     let started = Instant::now();
     // The frame before was submitted at its end: this waits only if the GPU is not through with it.
     let earlier = state
@@ -193,41 +231,75 @@ fn planned(frame: &mut TileFrame, request: FittedRequest, state: &mut FittedStat
         .take()
         .and_then(|earlier| Some((earlier, state.read_back.as_ref()?.read(&device)?)));
     let waited = started.elapsed();
-    let known = world
-        .get::<NeedBuffers>(camera)
-        .filter(|buffers| buffers.is_for(&sizes));
-    let buffers = known.cloned().unwrap_or_else(|| NeedBuffers::new(&device, &sizes));
-    world.entity_mut(camera).insert(buffers.clone());
-    if !state.read_back.as_ref().is_some_and(|memory| memory.is_for(&sizes)) {
-        state.read_back = Some(ReadBack::new(&device, &sizes));
+    let known = world.entity_mut(camera).take::<NeedBuffers>();
+    let buffers = known
+        .filter(|buffers| buffers.is_for(&sizes))
+        .unwrap_or_else(|| NeedBuffers::new(&device, &sizes));
+    if !state.read_back.as_ref().is_some_and(|memory| memory.is_for(&all_sizes)) {
+        state.read_back = Some(ReadBack::new(&device, &all_sizes));
     }
     let memory = state.read_back.as_ref()?;
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor {
         label: Some("umbrage_fitted"),
     });
-    if !measure::record(
-        world,
-        camera,
-        &measurement,
-        &request.parameters(),
-        &buffers,
-        &mut encoder,
-    ) {
+    let are_recorded = (requests.iter().zip(&measurements))
+        .zip(&buffers.0)
+        .all(|((request, measurement), buffers)| {
+            measure::record(world, camera, measurement, &request.parameters(), buffers, &mut encoder)
+        });
+    memory.copy(&mut encoder, &buffers.outputs());
+    let buffer_bytes = buffers.bytes() + memory.bytes();
+    world.entity_mut(camera).insert(buffers);
+    if !are_recorded {
         return None;
     }
-    memory.copy(&mut encoder, &buffers.outputs);
-    let is_next = matches!(request.settings.feedback, NeedFeedback::NextFrame { .. });
-    let mut planned = if let Some((earlier, contents)) = earlier {
+    let is_next = matches!(requests[0].settings.feedback, NeedFeedback::NextFrame { .. });
+    let frames = if let Some((earlier, contents)) = earlier {
         world.resource_mut::<PendingCommandBuffers>().push([encoder.finish()]);
-        earlier.plan(&contents, waited)
+        plan_all(&earlier, contents, waited)
     } else {
         let started = Instant::now();
         submit_now(world, encoder);
         frame.report.read_backs += 1;
         let contents = memory.read(&device)?;
-        request.plan(&contents, waited + started.elapsed())
-    }?;
-    state.earlier = is_next.then_some(request);
-    planned.counts.buffer_bytes = buffers.bytes() + memory.bytes();
-    Some(planned)
+        plan_all(&requests, contents, waited + started.elapsed())
+    };
+    state.earlier = is_next.then_some(requests);
+    let mut frames = FittedFrames(frames?);
+    if let Some(first) = frames.0.first_mut() {
+        first.counts.buffer_bytes = buffer_bytes;
+    }
+    Some(frames)
+}
+
+/// The frames for what was measured, which lies behind each other in the order of the requests.
+fn plan_all(requests: &[FittedRequest], contents: Vec<Vec<u8>>, read_back: Duration) -> Option<Vec<FittedFrame>> {
+    let mut contents = contents.into_iter();
+    let plan = |request: &FittedRequest| {
+        let own: Vec<_> = contents.by_ref().take(request.measurement().sizes().len()).collect();
+        request.plan(&own, read_back)
+    };
+    requests.iter().map(plan).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn partitions_share_the_pixels_between_them() {
+        let depths = partition_depths(&[10.0, 40.0, 90.0], 80.0);
+        let holds =
+            |depth: f32| -> Vec<bool> { depths.iter().map(|[from, to]| (*from..*to).contains(&depth)).collect() };
+        assert_eq!(holds(0.01), [true, false, false]);
+        assert_eq!(holds(9.9), [true, false, false]);
+        assert_eq!(holds(10.0), [true, true, false], "within rounding of both");
+        assert_eq!(holds(79.9), [false, false, true]);
+        assert_eq!(
+            holds(80.0),
+            [false, false, false],
+            "everything is lit from the shadow distance on"
+        );
+        assert_eq!(partition_depths(&[90.0], 7.0), [[f32::MIN, 7.0]], "one map has all");
+    }
 }

@@ -13,8 +13,8 @@ use bevy::{
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId, PipelineCache,
-            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
+            BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
+            PipelineCache, RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
             SpecializedRenderPipelines, StorageBuffer, TextureFormat,
             binding_types::{storage_buffer_read_only_sized, texture_depth_2d, uniform_buffer},
         },
@@ -23,7 +23,10 @@ use bevy::{
     },
 };
 
-use super::{measure::NeedBuffers, plan::FittedFrame};
+use super::{
+    measure::{NeedBuffers, PassBuffers},
+    plan::{FittedFrame, FittedFrames},
+};
 use crate::{
     maths::virtual_map::fitted::FittedTile,
     render::{gpu_types::GpuNeedOverlay, overlay_pass::overlay_pipeline, shaders},
@@ -121,7 +124,7 @@ fn draw(
         &ViewTarget,
         &NeedOverlay,
         &PreparedOverlay,
-        &FittedFrame,
+        &FittedFrames,
         &NeedBuffers,
         &ViewPrepassTextures,
         &ViewUniformOffset,
@@ -132,40 +135,30 @@ fn draw(
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     mut ctx: RenderContext,
 ) {
-    let (camera, target, overlay, prepared, frame, buffers, prepass, view_offset) = view.into_inner();
-    let rect = |tile: &FittedTile| UVec4::new(tile.rect.min.x, tile.rect.min.y, tile.rect.max.x, tile.rect.max.y);
-    let mut rectangles: Vec<UVec4> = frame.plan.tiles.iter().map(rect).collect();
-    let mut parameters = StorageBuffer::from(GpuNeedOverlay {
-        rectangle_count: rectangles.len() as u32,
-        cap: frame.plan.cap as f32,
-        opacity: overlay.opacity,
-        padding: 0.0,
-    });
-    // Bindings must not be empty.
-    rectangles.push(UVec4::ZERO);
-    let mut rectangles = StorageBuffer::from(rectangles);
-    parameters.write_buffer(&device, &queue);
-    rectangles.write_buffer(&device, &queue);
-    let (Some(pipeline), Some(depth), Some(view_binding), Some(parameters), Some(rectangles)) = (
+    let (camera, target, overlay, prepared, frames, buffers, prepass, view_offset) = view.into_inner();
+    let (Some(pipeline), Some(depth), Some(view_binding)) = (
         cache.get_render_pipeline(prepared.0),
         prepass.depth_view(),
         view_uniforms.uniforms.binding(),
-        parameters.binding(),
-        rectangles.binding(),
     ) else {
         return;
     };
-    let bind_group = ctx.render_device().create_bind_group(
-        "umbrage_show_needs",
-        &cache.get_bind_group_layout(&overlay_pipeline.layout),
-        &BindGroupEntries::with_indices((
-            (0, view_binding),
+    let layout = cache.get_bind_group_layout(&overlay_pipeline.layout);
+    let bind_group = |(frame, buffers): (&FittedFrame, &PassBuffers)| {
+        let (parameters, rectangles) = shown(frame, overlay.opacity);
+        let (mut parameters, mut rectangles) = (StorageBuffer::from(parameters), StorageBuffer::from(rectangles));
+        parameters.write_buffer(&device, &queue);
+        rectangles.write_buffer(&device, &queue);
+        let entries = BindGroupEntries::with_indices((
+            (0, view_binding.clone()),
             (1, depth),
             (3, buffers.parameters.as_entire_binding()),
-            (4, parameters),
-            (5, rectangles),
-        )),
-    );
+            (4, parameters.binding()?),
+            (5, rectangles.binding()?),
+        ));
+        Some(device.create_bind_group("umbrage_show_needs", &layout, &entries))
+    };
+    let bind_groups: Vec<BindGroup> = frames.0.iter().zip(&buffers.0).filter_map(bind_group).collect();
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("umbrage_show_needs"),
         color_attachments: &[Some(target.get_unsampled_color_attachment())],
@@ -178,6 +171,23 @@ fn draw(
         pass.set_camera_viewport(viewport);
     }
     pass.set_render_pipeline(pipeline);
-    pass.set_bind_group(0, &bind_group, &[view_offset.offset]);
-    pass.draw(0..3, 0..1);
+    for bind_group in &bind_groups {
+        pass.set_bind_group(0, bind_group, &[view_offset.offset]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// What the shader reads of a map.
+fn shown(frame: &FittedFrame, opacity: f32) -> (GpuNeedOverlay, Vec<UVec4>) {
+    let rect = |tile: &FittedTile| UVec4::new(tile.rect.min.x, tile.rect.min.y, tile.rect.max.x, tile.rect.max.y);
+    let mut rectangles: Vec<UVec4> = frame.plan.tiles.iter().map(rect).collect();
+    let parameters = GpuNeedOverlay {
+        rectangle_count: rectangles.len() as u32,
+        cap: frame.plan.cap as f32,
+        opacity,
+        padding: 0.0,
+    };
+    // Bindings must not be empty.
+    rectangles.push(UVec4::ZERO);
+    (parameters, rectangles)
 }

@@ -1,6 +1,6 @@
 //! [`PictureCamera`]: the camera whose picture is looked at, and what the shaders read of it.
 
-use bevy::math::{DMat4, DVec4, Mat4, UVec2};
+use bevy::math::{DMat4, DVec4, Mat4, UVec2, Vec2};
 
 use crate::{
     maths::virtual_map::{
@@ -58,13 +58,14 @@ impl PictureCamera {
     }
 }
 
-/// What the shaders read. `clip_from_world`: the light view of the whole map, as the lookup has it; `map_size`: texels of
-/// a mapping map, or the picture's; `cells`: per axis of the grid. `options.bytes` and `skip_facing_away` are not for the
+/// What the shaders read. `clip_from_world`: the light view of the whole map, as the lookup has it; `depths`: the view
+/// depths in metres of the pixels that count, half open; `map_size`: texels of a mapping map, or the picture's; `cells`: per
+/// axis of the grid. `options.bytes` and `skip_facing_away` are not for the
 /// shaders' parameters.
 pub fn need_parameters(
     camera: &PictureCamera,
     clip_from_world: Mat4,
-    shadow_distance: f32,
+    depths: [f32; 2],
     options: &MappingOptions,
     map_size: UVec2,
     cells: u32,
@@ -97,7 +98,7 @@ pub fn need_parameters(
             NeighbourPick::Larger => 1,
         },
         need_scale: (-options.need_bias).exp2() as f32,
-        shadow_distance,
+        depth_range: Vec2::from(depths),
         wide_steps: u32::from(options.wide_steps),
         motion_step: motion.map_or(-1.0, |motion| motion.step as f32),
         motion_turn_factor: motion.map_or(1.0, |motion| motion.turn_factor() as f32),

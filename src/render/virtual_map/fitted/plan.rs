@@ -34,8 +34,10 @@ pub struct FittedRequest {
     pub map: FittedMap,
     /// The light view of the whole map.
     pub light_view: LightView,
-    /// View depth from which everything is lit, metres.
-    pub shadow_distance: f32,
+    /// Its index: the z-partition that the map is for.
+    pub partition: u32,
+    /// View depths in metres of the pixels that look into the map: from the first one up to, without, the second.
+    pub depths: [f32; 2],
     /// Whose picture.
     pub camera: PictureCamera,
 }
@@ -67,7 +69,7 @@ impl FittedRequest {
         need_parameters(
             &self.camera,
             self.light_view.clip_from_world,
-            self.shadow_distance,
+            self.depths,
             &options,
             measurement.map_size,
             measurement.cells,
@@ -128,8 +130,8 @@ impl FittedRequest {
     }
 }
 
-/// On a camera's render entity: the tiles of this frame.
-#[derive(Component, Clone, Debug)]
+/// The tiles of one map in this frame.
+#[derive(Clone, Debug)]
 pub struct FittedFrame {
     /// What was asked for in the frame in which the needs were measured: the tiles are cut from *its* light view.
     pub request: FittedRequest,
@@ -152,6 +154,7 @@ impl FittedFrame {
                 _ => tile.window,
             };
             TileDraw {
+                light_view: self.request.partition,
                 tile: tile.tile,
                 window,
                 texture: mode.texture_size(&window, map.largest_texture()),
@@ -164,19 +167,43 @@ impl FittedFrame {
         self.plan.tiles.iter().map(draw).collect()
     }
 
-    /// Textures to have: the whole series of a size mode, so that they stay from frame to frame; exact ones as tiles need
-    /// them.
+    /// Textures to have: of a series of squares all up to the largest tile, so that most stay from frame to frame; exact ones
+    /// as tiles need them.
     pub fn texture_sizes(&self) -> Vec<UVec2> {
         let map = &self.request.map;
         match self.request.settings.texture_mode {
             TextureMode::Full | TextureMode::Corner => vec![UVec2::splat(map.largest_texture())],
             TextureMode::SquareSeries => {
+                let sides = self.plan.tiles.iter().map(|tile| tile.window.core().max_element());
+                let largest = sides.max().unwrap_or_default().max(map.tile_size_min);
                 let cores = (0..32).map(|level| 1_u32 << level);
-                let cores = cores.filter(|core| (map.tile_size_min..=map.tile_size_max).contains(core));
+                let cores = cores.filter(|core| (map.tile_size_min..=largest).contains(core));
                 cores.map(|core| UVec2::splat(core + 2 * map.margin)).collect()
             }
             TextureMode::Exact => self.plan.tiles.iter().map(|tile| tile.window.size).collect(),
         }
+    }
+}
+
+/// On a camera's render entity: its maps in this frame, one per z-partition, nearest first.
+#[derive(Component, Clone, Debug)]
+pub struct FittedFrames(pub Vec<FittedFrame>);
+
+impl FittedFrames {
+    /// What was counted in all of them. They were read back together.
+    pub fn counts(&self) -> FittedCounts {
+        let mut all = self.0.iter().map(|frame| frame.counts);
+        let first = all.next().unwrap_or_default();
+        all.fold(first, |sum, counts| FittedCounts {
+            pixels: sum.pixels + counts.pixels,
+            capped: sum.capped + counts.capped,
+            outside: sum.outside + counts.outside,
+            discarded: sum.discarded + counts.discarded,
+            cells: sum.cells.max(counts.cells),
+            read_back: sum.read_back.max(counts.read_back),
+            planning: sum.planning + counts.planning,
+            buffer_bytes: sum.buffer_bytes + counts.buffer_bytes,
+        })
     }
 }
 

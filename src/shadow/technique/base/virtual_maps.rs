@@ -1,4 +1,4 @@
-//! `tiled`, `queried` and `fitted`: virtual maps of one light view, with any warp.
+//! `tiled`, `queried` and `fitted`: virtual maps of one light view, with any warp; `fitted` also of one per z-partition.
 
 use super::Base;
 use crate::{
@@ -6,7 +6,7 @@ use crate::{
     shadow::{
         fitted::FittedMaps,
         settings::{Partitions, SunShadows},
-        technique::{fitted_keys, tile_keys, warps},
+        technique::{fitted_keys, partition_keys, tile_keys, warps},
         virtual_maps::{QueriedMaps, ShadowMaps, TiledMaps},
     },
 };
@@ -32,7 +32,7 @@ pub(super) const FITTED: Base = Base {
     read: |text, warp| Ok((text == "fitted").then(|| settings(ShadowMaps::Fitted(FittedMaps::default()), warp))),
     owns: |settings| matches!(settings.maps, ShadowMaps::Fitted(_)),
     text: |settings| text("fitted", settings),
-    topics: &[&fitted_keys::TOPIC],
+    topics: &[&fitted_keys::TOPIC, &partition_keys::TOPIC],
 };
 
 /// What a base of virtual maps means without keys.
