@@ -56,7 +56,7 @@ pub mod prelude {
         render::UmbragePlugins,
         shadow::{
             fitted::FittedMaps,
-            measured::{MeasureUse, MeasuredDepths},
+            measured::{MeasureUse, MeasuredDepths, NearMeasurement},
             settings::{
                 PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
                 SunShadows, WithoutSunShadows,

@@ -12,7 +12,7 @@ use crate::{
     level::Sun,
     maths::{split::SplitScheme, warp::Warp},
     shadow::{
-        measured::MeasuredDepths,
+        measured::{MeasuredDepths, NearMeasurement},
         settings::{
             Faces, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams, ShadowBias, ShadowFilter,
             ShadowPath, SunShadows,
@@ -123,17 +123,18 @@ const BIASES: &[ShadowBias] = &[
 const PATHS: &[ShadowPath] = &[ShadowPath::Full, ShadowPath::DropIn];
 const DISTANCES: &[Option<f32>] = &[None, Some(50.0), Some(100.0), Some(200.0), Some(400.0)];
 const DEPTHS: &[MeasuredDepths] = &[
-    MeasuredDepths::OFF,
+    MeasuredDepths::BEST,
     MeasuredDepths {
         splits: true,
         ..MeasuredDepths::OFF
     },
     MeasuredDepths {
-        near: true,
+        near: NearMeasurement::On,
         far: true,
         splits: true,
         ..MeasuredDepths::OFF
     },
+    MeasuredDepths::OFF,
 ];
 const STABILITIES: &[Stability] = &[
     Stability::Off,
@@ -249,8 +250,8 @@ impl Setting {
                 Some(metres) => format!("{metres} m"),
             },
             Self::Depths => {
-                let MeasuredDepths { near, far, splits, .. } = settings.measured;
-                let parts = [(near, "near"), (far, "far"), (splits, "splits")];
+                let MeasuredDepths { near, far, splits, .. } = settings.measures();
+                let parts = [(near == NearMeasurement::On, "near"), (far, "far"), (splits, "splits")];
                 let measured: Vec<_> = parts.into_iter().filter(|part| part.0).map(|part| part.1).collect();
                 match measured[..] {
                     [] => "of bounding boxes".into(),
@@ -359,7 +360,7 @@ impl Setting {
         }
         if settings.stable == Stability::Sphere && settings.measured.is_on() {
             if is_chosen {
-                settings.measured = MeasuredDepths::OFF;
+                settings.measured = MeasuredDepths::BEST;
             } else {
                 settings.stable = Stability::Off;
             }

@@ -130,7 +130,7 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         corrections.push(Correction::StableWarp);
     }
     if settings.stable == Stability::Sphere && settings.measured.is_on() {
-        settings.measured = MeasuredDepths::OFF;
+        settings.measured = MeasuredDepths::BEST;
         corrections.push(Correction::StableMeasured);
     }
     if let Stability::Sharp { frames } = &mut settings.stable
@@ -256,6 +256,7 @@ mod tests {
         maths::light_plane::space::{FilmCover, FilmDivision},
         shadow::{
             light_plane::LightPlanes,
+            measured::NearMeasurement,
             settings::{FitSettings, Partitions},
         },
     };
@@ -411,7 +412,7 @@ mod tests {
             assert_eq!(corrections, [Correction::StableFrames]);
         }
         let measured = MeasuredDepths {
-            near: true,
+            near: NearMeasurement::On,
             ..MeasuredDepths::OFF
         };
         let (right, corrections) = checked(&SunShadows {
@@ -422,7 +423,7 @@ mod tests {
         });
         assert_eq!(
             (right.measured, corrections),
-            (MeasuredDepths::OFF, vec![Correction::StableMeasured])
+            (MeasuredDepths::BEST, vec![Correction::StableMeasured])
         );
         let (right, corrections) = checked(&SunShadows {
             stable: Stability::Held,

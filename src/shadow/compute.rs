@@ -237,12 +237,13 @@ impl Fitter<'_> {
     }
 
     /// The largest errors of a part's map (Lloyd, section 4.4): relative to pixels of one camera, whose opening is left out.
-    /// Zero where there is nothing to see.
+    /// Zero where there is nothing to see. What lies before the pseudo-near plane counts as if it were as far as this plane.
     fn needs(&self, part: &Part, map_size: UVec2) -> LargestErrors {
         let Some(fit) = self.fit(part, map_size) else {
             return LargestErrors::NONE;
         };
         let light_from_world = fit.world_from_light.inverse();
+        let nearest = part.depths[0].max(part.options.pseudo_near.unwrap_or(0.0));
         let sample = |vertex: &DVec3| {
             let point = light_from_world.transform_point3(*vertex);
             LightSample {
@@ -251,7 +252,7 @@ impl Fitter<'_> {
                 depth: if part.slice.is_orthographic() {
                     1.0
                 } else {
-                    part.slice.depth(*vertex).max(part.depths[0])
+                    part.slice.depth(*vertex).max(nearest)
                 },
             }
         };

@@ -31,13 +31,28 @@ use crate::maths::{
 pub struct MeasuredDepths {
     /// The near plane of warps. Where [`SunShadows::near`](super::settings::SunShadows::near) is set too, the farther
     /// one counts.
-    pub near: bool,
+    pub near: NearMeasurement,
     /// The far plane of warps: Δz of n_opt.
     pub far: bool,
     /// Splits between the nearest and the farthest visible depth. Means nothing for splits by hand.
     pub splits: bool,
     /// Which measurements count.
     pub measure: MeasureUse,
+}
+
+/// Whether the near plane of warps is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+pub enum NearMeasurement {
+    /// Where it helps: for warps of two z-partitions or more. The first of them begins at the camera's near plane, where
+    /// hardly ever anything is seen, and a warp that is at its best there is too strong for what is seen behind it. One map
+    /// for the whole range loses: what is near is most of the picture. Not with a near plane by hand, and not for maps that
+    /// are kept from frame to frame.
+    #[default]
+    Slices,
+    /// Always.
+    On,
+    /// Never: the near plane of the bounds.
+    Off,
 }
 
 /// Which measurements count.
@@ -54,16 +69,23 @@ pub enum MeasureUse {
 impl MeasuredDepths {
     /// Nothing is measured: all planes come from bounding boxes.
     pub const OFF: Self = Self {
-        near: false,
+        near: NearMeasurement::Off,
+        ..Self::BEST
+    };
+
+    /// The near plane where it helps.
+    pub const BEST: Self = Self {
+        near: NearMeasurement::Slices,
         far: false,
         splits: false,
         measure: MeasureUse::Late,
     };
 
-    /// Whether the depths of the picture are needed.
+    /// Whether the depths of the picture are asked for. The default of the near plane asks for them where it helps only:
+    /// see [`SunShadows::measures`](super::settings::SunShadows::measures).
     #[must_use]
     pub fn is_on(self) -> bool {
-        self.near || self.far || self.splits
+        self.near == NearMeasurement::On || self.far || self.splits
     }
 }
 
@@ -171,8 +193,10 @@ pub struct DepthPlan {
 }
 
 impl DepthPlan {
-    /// The plan of known depths under these settings.
+    /// The plan of known depths under these settings, as [`SunShadows::measures`](super::settings::SunShadows::measures)
+    /// has them.
     pub fn new(settings: MeasuredDepths, known: KnownDepths) -> Self {
+        let is_near = settings.near == NearMeasurement::On;
         let planes = |depths: VisibleDepths| PseudoPlanes {
             near: depths.nearest,
             far: depths.farthest,
@@ -180,7 +204,7 @@ impl DepthPlan {
         match (known, settings.measure) {
             (KnownDepths::Same(depths), MeasureUse::Same) => {
                 // Depths come back in single precision.
-                let near = settings.near.then_some(depths.nearest * (1.0 - ROUNDING));
+                let near = is_near.then_some(depths.nearest * (1.0 - ROUNDING));
                 let far = settings.far.then_some(depths.farthest * (1.0 + ROUNDING));
                 Self {
                     cut: Some((near.unwrap_or(f64::NEG_INFINITY), far.unwrap_or(f64::INFINITY))),
@@ -192,7 +216,7 @@ impl DepthPlan {
             (KnownDepths::Same(depths) | KnownDepths::Late(depths), MeasureUse::Late) => Self {
                 cut: None,
                 splits: settings.splits.then_some(planes(depths)),
-                near: settings.near.then_some(depths.nearest),
+                near: is_near.then_some(depths.nearest),
                 far: settings.far.then_some(depths.farthest),
             },
         }
@@ -218,6 +242,13 @@ mod tests {
     use bevy::math::DVec3;
 
     use super::*;
+    use crate::{
+        maths::warp::Warp,
+        shadow::{
+            settings::{ShadowPath, SunShadows},
+            stable::Stability,
+        },
+    };
 
     const DEPTHS: VisibleDepths = VisibleDepths {
         nearest: 10.0,
@@ -243,6 +274,26 @@ mod tests {
         let eye = now.world_from_view.translation().as_dvec3();
         let view = ViewVolume::perspective(eye, forward, DVec3::Y, 1.0, 1.5, 0.1, 500.0).expect("a view");
         known_depths(&measured, &view, &now)
+    }
+
+    #[test]
+    fn the_near_plane_is_measured_where_it_helps() {
+        let measures = |change: fn(&mut SunShadows)| {
+            let mut settings = SunShadows::HIGH;
+            change(&mut settings);
+            settings.measures().near == NearMeasurement::On
+        };
+        assert!(measures(|_| {}) && measures(|settings| settings.stable = Stability::SHARP));
+        assert!(!measures(|settings| settings.partitions.count = 1), "one map");
+        assert!(!measures(|settings| settings.warp = Warp::Uniform), "no warp");
+        assert!(!measures(|settings| settings.path = ShadowPath::DropIn), "no prepass");
+        assert!(!measures(|settings| settings.near = Some(2.0)), "by hand");
+        assert!(!measures(|settings| settings.stable = Stability::Held), "kept maps");
+        assert!(!measures(|settings| settings.measured = MeasuredDepths::OFF), "never");
+        assert!(measures(|settings| {
+            settings.partitions.count = 1;
+            settings.measured.near = NearMeasurement::On;
+        }));
     }
 
     #[test]
@@ -292,7 +343,7 @@ mod tests {
     #[test]
     fn only_the_same_picture_cuts() {
         let all = MeasuredDepths {
-            near: true,
+            near: NearMeasurement::On,
             far: true,
             splits: true,
             measure: MeasureUse::Late,

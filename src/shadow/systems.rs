@@ -72,7 +72,7 @@ pub(super) fn update_sun_views(
             .iter()
             .filter_map(|viewer| {
                 let view = shadowed_part(&viewer.view, settings.near, settings.distance)?;
-                let plan = DepthPlan::new(settings.measured, viewer.depths);
+                let plan = DepthPlan::new(settings.measures(), viewer.depths);
                 let range = split_range(&view, &settings, &plan, visible_depths(&view, &scene)?);
                 Some(Seen {
                     camera: viewer.entity,

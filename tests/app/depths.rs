@@ -4,8 +4,8 @@ use bevy::{math::DVec3, prelude::*};
 use umbrage::{
     maths::{split::VisibleDepths, warp::Warp},
     shadow::{
-        measured::{MeasureUse, MeasuredDepths, MeasuredView, VisibleDepthRange},
-        settings::SunShadows,
+        measured::{MeasureUse, MeasuredDepths, MeasuredView, NearMeasurement, VisibleDepthRange},
+        settings::{MapResolution, SunShadows},
         stable::{HeldMap, HeldMaps, Stability},
         views::CameraSunViews,
     },
@@ -14,7 +14,7 @@ use umbrage::{
 use crate::support::{app, spawn_camera, spawn_sun, spawn_town, views};
 
 const SPLITS: MeasuredDepths = MeasuredDepths {
-    near: false,
+    near: NearMeasurement::Off,
     far: false,
     splits: true,
     measure: MeasureUse::Late,
@@ -64,7 +64,7 @@ fn splits_lie_where_something_is_seen() {
     );
     assert!(bounds[1] < 5.0, "{bounds:?}");
     let same = with(MeasuredDepths {
-        near: true,
+        near: NearMeasurement::On,
         far: true,
         measure: MeasureUse::Same,
         ..SPLITS
@@ -82,6 +82,28 @@ fn splits_lie_where_something_is_seen() {
     assert_eq!(same.master, late.master);
 }
 
+/// Balanced maps share texels by what is seen: the first slice, most of which lies before the nearest surface, gets fewer
+/// where that is known.
+#[test]
+fn measured_planes_count_in_balanced_maps() {
+    let mut app = app();
+    spawn_town(&mut app);
+    let camera = spawn_camera(&mut app);
+    let mut settings = SunShadows::HIGH;
+    settings.partitions.resolution = MapResolution::Balanced;
+    let sun = spawn_sun(&mut app, settings);
+    let first_map = |app: &mut App| {
+        app.update();
+        let views = views(app, sun, camera).expect("views");
+        let size = views.partitions[0].light_view.atlas_rect.zw().as_u64vec2();
+        size.element_product()
+    };
+    let unknown = first_map(&mut app);
+    measure(&mut app, camera, 6.0, 60.0);
+    let known = first_map(&mut app);
+    assert!(known * 2 < unknown, "{known} texels for {unknown}");
+}
+
 /// The pseudo planes of the warp move its projection centre, never what is covered.
 #[test]
 fn measured_planes_of_the_warp_cover_the_same() {
@@ -92,7 +114,7 @@ fn measured_planes_of_the_warp_cover_the_same() {
     app.update();
     let whole = views(&app, sun, camera).expect("views");
     app.world_mut().get_mut::<SunShadows>(sun).expect("settings").measured = MeasuredDepths {
-        near: true,
+        near: NearMeasurement::On,
         far: true,
         ..MeasuredDepths::OFF
     };

@@ -9,7 +9,7 @@ use umbrage::{
         mask::{MaskPlugin, ShadowMask},
     },
     shadow::{
-        measured::{MeasureUse, MeasuredDepths, VisibleDepthRange},
+        measured::{MeasureUse, MeasuredDepths, NearMeasurement, VisibleDepthRange},
         views::SunViews,
     },
 };
@@ -20,7 +20,7 @@ use crate::{
 };
 
 const ALL: MeasuredDepths = MeasuredDepths {
-    near: true,
+    near: NearMeasurement::On,
     far: true,
     splits: true,
     measure: MeasureUse::Late,
@@ -115,7 +115,8 @@ fn the_gpu_finds_the_ends_of_pictures_of_any_size() {
 #[test]
 fn measurements_come_and_go_with_the_settings() {
     let mut harness = harness_with(&boxes());
-    let sun = harness.sun(LIGHTS[0], SunShadows::MEDIUM);
+    // One map: nothing is measured by itself.
+    let sun = harness.sun(LIGHTS[0], SunShadows::LOW);
     harness.start();
     assert_eq!(measured(&harness, harness.camera), None);
     let set = |harness: &mut Harness, measured| {

@@ -153,7 +153,10 @@ fn every_partition_has_a_map_of_its_own() {
     for mut sun in suns.iter_mut(world) {
         sun.partitions.count = 3;
     }
-    for feedback in [NeedFeedback::SameFrame, NeedFeedback::NextFrame { step: 0.1, turn: 1.0 }] {
+    for feedback in [
+        NeedFeedback::SameFrame,
+        NeedFeedback::NextFrame { step: 0.1, turn: 1.0 },
+    ] {
         let maps = ShadowMaps::Fitted(FittedMaps { feedback, ..fitted() });
         let found = redrawn(&mut harness, maps.clone());
         let (drawn, frames) = (report(&harness), planned_partitions(&harness));
@@ -170,8 +173,14 @@ fn every_partition_has_a_map_of_its_own() {
             "{sum} pixels in three maps, {pixels} in one"
         );
         let wrong = differing(&found, &expected);
-        println!("{feedback:?}: {wrong} of {edges} edge pixels differ, {} texels", drawn.texels());
-        assert!(wrong <= edges, "{feedback:?}: {wrong} pixels differ, {edges} lie at edges");
+        println!(
+            "{feedback:?}: {wrong} of {edges} edge pixels differ, {} texels",
+            drawn.texels()
+        );
+        assert!(
+            wrong <= edges,
+            "{feedback:?}: {wrong} pixels differ, {edges} lie at edges"
+        );
         let schedule = TileSchedule {
             is_reversed: true,
             wave_size: 3,

@@ -39,6 +39,8 @@ struct Measured {
 impl Measured {
     /// The last column was taken again with the slices of `maths::drop_in`: 8 shots are better, 5 worse, most of all the fence
     /// from near (0.95 before), whose nearest metre has fewer texels now.
+    /// The fourth was taken again with measured near planes: 11 shots are better, two as they were, and from the far end a shadow
+    /// of one row of pixels, in texels of 15, is lost (0.12 before).
     ///
     /// The same machine measures the same; other drivers rasterize edges of casters otherwise, which flips pixels along
     /// shadow edges. A quarter more covers that where many pixels are wrong, 0.05 % (8 to 16 pixels) where few are.
@@ -66,20 +68,20 @@ const fn measured(
 #[rustfmt::skip]
 const MEASURED: [Measured; 14] = [
     //       room             shot          valid  dark   bevy   uniform lispsm zp4+lis …dropin …dropin
-    measured("plane_box",     "corner",     24572,  420, [0.212, 0.024, 0.012, 0.008, 0.012, 0.020]),
+    measured("plane_box",     "corner",     24572,  420, [0.212, 0.024, 0.012, 0.004, 0.012, 0.020]),
     measured("plane_box",     "low-sun",    16553,  421, [0.284, 0.036, 0.036, 0.006, 0.024, 0.036]),
     measured("plane_box",     "above",      32013,  251, [0.084, 0.009, 0.009, 0.009, 0.006, 0.009]),
     measured("long_plane",    "along",      15519,  289, [0.058, 2.313, 0.006, 0.000, 0.316, 0.006]),
-    measured("long_plane",    "across",     20610,   77, [0.335, 0.432, 0.184, 0.107, 0.340, 0.184]),
-    measured("long_plane",    "far-end",    14326,  184, [0.740, 1.284, 0.140, 0.119, 0.984, 0.447]),
-    measured("dueling_light", "against",    18473,  920, [0.476, 0.996, 0.428, 0.455, 0.374, 0.384]),
-    measured("dueling_light", "with",       21779, 1125, [0.257, 0.923, 0.652, 0.257, 0.661, 0.142]),
-    measured("dueling_light", "into-light", 19850,  185, [0.161, 0.151, 0.161, 0.196, 0.202, 0.282]),
-    measured("fence",         "along",      14886, 1381, [14.154, 2.230, 0.484, 0.490, 1.129, 1.028]),
-    measured("fence",         "near",       18379, 3512, [24.582, 3.656, 0.669, 0.805, 1.088, 1.415]),
-    measured("fence",         "far",        17588,  435, [2.473, 0.574, 0.216, 0.313, 0.807, 0.893]),
-    measured("wires",         "under",      17277,  710, [0.996, 3.282, 0.365, 0.666, 0.399, 0.585]),
-    measured("wires",         "beside",     16427,   90, [0.481, 0.511, 0.298, 0.323, 0.402, 0.408]),
+    measured("long_plane",    "across",     20610,   77, [0.335, 0.432, 0.184, 0.068, 0.340, 0.184]),
+    measured("long_plane",    "far-end",    14326,  184, [0.740, 1.284, 0.140, 0.607, 0.984, 0.447]),
+    measured("dueling_light", "against",    18473,  920, [0.476, 0.996, 0.428, 0.352, 0.374, 0.384]),
+    measured("dueling_light", "with",       21779, 1125, [0.257, 0.923, 0.652, 0.243, 0.661, 0.142]),
+    measured("dueling_light", "into-light", 19850,  185, [0.161, 0.151, 0.161, 0.181, 0.202, 0.282]),
+    measured("fence",         "along",      14886, 1381, [14.154, 2.230, 0.484, 0.443, 1.129, 1.028]),
+    measured("fence",         "near",       18379, 3512, [24.582, 3.656, 0.669, 0.658, 1.088, 1.415]),
+    measured("fence",         "far",        17588,  435, [2.473, 0.574, 0.216, 0.262, 0.807, 0.893]),
+    measured("wires",         "under",      17277,  710, [0.996, 3.282, 0.365, 0.457, 0.399, 0.585]),
+    measured("wires",         "beside",     16427,   90, [0.481, 0.511, 0.298, 0.317, 0.402, 0.408]),
 ];
 
 impl Room {

@@ -245,7 +245,11 @@ fn tiles_are_culled() {
 fn the_memory_of_tiles_is_bounded() {
     let mut stage = Stage::new(one_map(Warp::Uniform, ShadowFilter::Hard));
     let expected = stage.virtual_result(ShadowMaps::Tiled(tiled(2, 1024)));
-    assert_eq!(stage.report().texture_bytes, 16 * (4 << 20), "sixteen textures of 4 MiB");
+    assert_eq!(
+        stage.report().texture_bytes,
+        16 * (4 << 20),
+        "sixteen textures of 4 MiB"
+    );
     let found = stage.virtual_result(ShadowMaps::Tiled(TiledMaps {
         memory: 1,
         ..tiled(2, 1024)

@@ -78,7 +78,7 @@ pub(super) fn receive_depths(
     known: Query<Entity, With<VisibleDepthRange>>,
 ) {
     let ranges = arrived.take();
-    if suns.iter().any(|settings| settings.measured.is_on()) {
+    if suns.iter().any(|settings| settings.measures().is_on()) {
         for (camera, range) in ranges {
             if let Ok(mut camera) = commands.get_entity(camera) {
                 camera.insert(range);

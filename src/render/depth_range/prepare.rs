@@ -61,7 +61,7 @@ pub(super) fn prepare_depth_ranges(
 ) {
     let seconds = time.map_or(0.0, |time| time.elapsed_secs_f64());
     for (entity, camera, view, sun, buffers) in &mut cameras {
-        if !sun.is_some_and(|sun| sun.settings.measured.is_on()) {
+        if !sun.is_some_and(|sun| sun.settings.measures().is_on()) {
             if buffers.is_some() {
                 commands.entity(entity).remove::<DepthRangeBuffers>();
             }

@@ -10,7 +10,12 @@ pub use seams::{SeamWidth, Seams};
 
 use bevy::{light::DirectionalLight, prelude::*};
 
-use super::{light_plane::LightPlanes, measured::MeasuredDepths, stable::Stability, virtual_maps::ShadowMaps};
+use super::{
+    light_plane::LightPlanes,
+    measured::{MeasuredDepths, NearMeasurement},
+    stable::Stability,
+    virtual_maps::ShadowMaps,
+};
 use crate::maths::warp::Warp;
 
 /// Sharp sun shadows for a [`DirectionalLight`]: add it to the light's entity.
@@ -288,6 +293,23 @@ impl SunShadows {
             .fold(self.warp.eta(), |largest, eta| largest.max(f64::from(*eta)))
     }
 
+    /// What of the picture's depths is measured: [`measured`](Self::measured) with the decision whether the near plane is.
+    #[must_use]
+    pub fn measures(&self) -> MeasuredDepths {
+        let is_sliced = self.partitions.faces == Faces::Together && self.partitions.count > 1;
+        let is_warped = self.warp != Warp::Uniform && self.fit.align && self.light_planes.is_none();
+        let is_new = matches!(self.stable, Stability::Off | Stability::Sharp { .. });
+        let helps = self.path == ShadowPath::Full && is_sliced && is_warped && is_new && self.near.is_none();
+        MeasuredDepths {
+            near: match self.measured.near {
+                NearMeasurement::Slices if helps => NearMeasurement::On,
+                NearMeasurement::Slices => NearMeasurement::Off,
+                known => known,
+            },
+            ..self.measured
+        }
+    }
+
     /// The largest number of partitions on the full path.
     pub const MAX_PARTITIONS: u32 = 16;
     /// The largest number of slices with face partitions.
@@ -329,7 +351,7 @@ impl SunShadows {
             blur: ShadowBlur::NONE,
             distance: None,
             near: None,
-            measured: MeasuredDepths::OFF,
+            measured: MeasuredDepths::BEST,
             stable: Stability::Off,
             fallback_map: true,
         }

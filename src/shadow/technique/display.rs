@@ -49,7 +49,7 @@ mod tests {
             warp::{OptimumRule, Warp},
         },
         shadow::{
-            measured::{MeasureUse, MeasuredDepths},
+            measured::{MeasureUse, MeasuredDepths, NearMeasurement},
             settings::{
                 CasterPasses, Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams,
                 ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, WarpDirection,
@@ -154,8 +154,17 @@ mod tests {
                 any_fit(),
                 any_seams(),
             ),
-            [distance, near] in [prop::option::of(0.001f32..1e6), prop::option::of(0.001f32..1e6)],
-            (fallback_map, is_each, far, near_is_measured, splits, is_same) in any::<(bool, bool, bool, bool, bool, bool)>(),
+            (distance, (near_is_measured, near)) in (
+                prop::option::of(0.001f32..1e6),
+                // `near=` says one or the other.
+                prop_oneof![
+                    Just((NearMeasurement::Slices, None)),
+                    Just((NearMeasurement::On, None)),
+                    Just((NearMeasurement::Off, None)),
+                    (0.001f32..1e6).prop_map(|near| (NearMeasurement::Slices, Some(near))),
+                ],
+            ),
+            (fallback_map, is_each, far, splits, is_same) in any::<(bool, bool, bool, bool, bool)>(),
             (count, stable) in (
                 Just(count),
                 prop_oneof![
@@ -182,13 +191,11 @@ mod tests {
                 measure: MeasureUse::Late,
             };
             if stable == Stability::Sphere {
-                measured = MeasuredDepths::OFF;
+                measured = MeasuredDepths::BEST;
             }
             if measured.is_on() && is_same {
                 measured.measure = MeasureUse::Same;
             }
-            // `near=` says one or the other.
-            let near = near.filter(|_| !measured.near);
             let partitions = Partitions { count, scheme, faces, etas, resolution };
             let caster_passes = if is_each { CasterPasses::PerMap } else { CasterPasses::Shared };
             let full = SunShadows {

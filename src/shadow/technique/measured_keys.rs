@@ -5,13 +5,16 @@ use super::{
     pairs::{Key, Pairs, Topic, metres},
 };
 use crate::shadow::{
-    measured::MeasureUse,
+    measured::{MeasureUse, NearMeasurement},
     settings::{ShadowPath, SunShadows},
 };
 
 pub(super) const TOPIC: Topic = Topic {
     keys: &[
-        Key::new("near", "bounds|auto|metres > 0"),
+        Key::new(
+            "near",
+            "bounds|auto|metres > 0, of warps; left out: auto for warps of two z-partitions or more",
+        ),
         Key::full("far", "bounds|auto"),
         Key::full("measure", "late|same, for near=auto, far=auto and splits=visible"),
     ],
@@ -36,7 +39,7 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
         _ => None,
     })? {
         settings.measured.measure = measure;
-        if !settings.measured.is_on() {
+        if !settings.measures().is_on() {
             return Err(TechniqueError::together(
                 "`measure=` belongs to `near=auto`, `far=auto` and `splits=visible`",
             ));
@@ -52,28 +55,29 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
 }
 
 /// Whether the near plane is measured, and its metres.
-fn near_of(text: &str) -> Option<(bool, Option<f32>)> {
+fn near_of(text: &str) -> Option<(NearMeasurement, Option<f32>)> {
     match text {
-        "bounds" => Some((false, None)),
-        "auto" => Some((true, None)),
-        _ => metres(text).map(|near| (false, Some(near))),
+        "bounds" => Some((NearMeasurement::Off, None)),
+        "auto" => Some((NearMeasurement::On, None)),
+        _ => metres(text).map(|near| (NearMeasurement::Slices, Some(near))),
     }
 }
 
 fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     let mut pairs = Vec::new();
     let near_text = |settings: &SunShadows| match (settings.measured.near, settings.near) {
-        (true, _) => "auto".to_owned(),
-        (false, Some(near)) => near.to_string(),
-        (false, None) => "bounds".to_owned(),
+        (NearMeasurement::On, _) => Some("auto".to_owned()),
+        (_, Some(near)) => Some(near.to_string()),
+        (NearMeasurement::Off, None) => Some("bounds".to_owned()),
+        (NearMeasurement::Slices, None) => None,
     };
-    if near_text(settings) != near_text(default) {
-        pairs.push(format!("near={}", near_text(settings)));
+    if let Some(near) = near_text(settings).filter(|near| near_text(default).as_ref() != Some(near)) {
+        pairs.push(format!("near={near}"));
     }
     if settings.measured.far != default.measured.far {
         pairs.push(format!("far={}", if settings.measured.far { "auto" } else { "bounds" }));
     }
-    if settings.measured.measure != default.measured.measure && settings.measured.is_on() {
+    if settings.measured.measure != default.measured.measure && settings.measures().is_on() {
         pairs.push(match settings.measured.measure {
             MeasureUse::Late => "measure=late".to_owned(),
             MeasureUse::Same => "measure=same".to_owned(),

@@ -265,7 +265,7 @@ impl Technique {
     pub fn measures_its_own_picture(&self) -> bool {
         match self {
             Self::Bevy(_) => false,
-            Self::Umbrage(settings) => settings.measured.is_on() && settings.measured.measure == MeasureUse::Same,
+            Self::Umbrage(settings) => settings.measures().is_on() && settings.measured.measure == MeasureUse::Same,
         }
     }
 

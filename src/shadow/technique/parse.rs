@@ -69,7 +69,7 @@ mod tests {
             warp::{OptimumRule, Warp},
         },
         shadow::{
-            measured::{MeasureUse, MeasuredDepths},
+            measured::{MeasureUse, MeasuredDepths, NearMeasurement},
             settings::{
                 Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, ShadowBias, ShadowBlur,
                 ShadowFilter, ShadowPath, ShadowStore, WarpDirection,
@@ -139,7 +139,7 @@ mod tests {
             near: Some(1.5),
             measured: MeasuredDepths {
                 far: true,
-                ..MeasuredDepths::OFF
+                ..MeasuredDepths::BEST
             },
             stable: Stability::Sharp { frames: 8 },
             fallback_map: false,
@@ -154,8 +154,8 @@ mod tests {
         );
         let measured = |text: &str| settings(text).measured;
         let near = MeasuredDepths {
-            near: true,
-            ..MeasuredDepths::OFF
+            near: NearMeasurement::On,
+            ..MeasuredDepths::BEST
         };
         assert_eq!(measured("zp4:near=auto"), near);
         let same = MeasuredDepths {
@@ -169,10 +169,10 @@ mod tests {
             SplitScheme::Logarithmic
         );
         assert_eq!(settings("zp4:bias=none").bias, ShadowBias::None);
-        assert_eq!(
-            settings("zp4:near=bounds,far=bounds,distance=auto,stable=off"),
-            settings("zp4")
-        );
+        assert_eq!(settings("zp4:far=bounds,distance=auto,stable=off"), settings("zp4"));
+        let by_bounds = settings("zp4+lispsm:near=bounds");
+        assert_eq!((by_bounds.measured, by_bounds.near), (MeasuredDepths::OFF, None));
+        assert!(!by_bounds.measures().is_on() && settings("zp4+lispsm").measures().is_on());
         assert_eq!(settings("zp4:split=self"), settings("zp4:split=log"));
         let fit = settings(
             "zp2+free:etas=0/-0.5,center=vertex,axis=middle,optimum=demo,pseudo_near=2,pseudo_far=90,guard=off",
