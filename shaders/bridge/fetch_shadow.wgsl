@@ -1,7 +1,8 @@
 
 // Added by Umbrage. The lookup above keeps its body under the name `fetch_directional_shadow_bevy`; this one takes its
-// place for lights whose last cascade is the layer of the shadow result: its far bound is exactly 1e9 m and its texels
-// are of a millimetre, which no stock cascade can be (`shadow::full` writes both).
+// place for lights whose second cascade is the layer of the shadow result: its far bound is exactly 1e9 m and its texels
+// are of a millimetre, which no stock cascade can be (`shadow::full` writes both). A third one is that of the nearest
+// transparent surfaces, packed by `write_second_layer.wgsl`.
 #ifdef UMBRAGE_FADING
 @group(4) @binding(3) var umbrage_fading_depth: texture_depth_2d;
 @group(4) @binding(2) var umbrage_fading_result: texture_2d<f32>;
@@ -10,6 +11,9 @@ const UMBRAGE_SAME_SURFACE: f32 = 0.1;
 #else
 const UMBRAGE_SAME_SURFACE: f32 = 0.01;
 #endif
+
+// Share of the depth. Eight bits less leave it to 1.5e-5.
+const UMBRAGE_SAME_TRANSPARENT: f32 = 0.001;
 
 fn fetch_directional_shadow(
     light_id: u32,
@@ -22,11 +26,13 @@ fn fetch_directional_shadow(
 #ifndef MULTISAMPLED
     let light = &view_bindings::lights.directional_lights[light_id];
     let last = max((*light).num_cascades, 1u) - 1u;
-    let is_result = ((*light).cascades[last].far_bound == 1.0e9) & ((*light).cascades[last].texel_size < 0.0011);
+    let own = min(last, 1u);
+    let is_result = ((*light).cascades[own].far_bound == 1.0e9) & ((*light).cascades[own].texel_size < 0.0011);
+    let first_layer = i32((*light).depth_texture_base_index);
     let pixel = vec2<i32>(frag_coord_xy);
     let prepass_ndc = textureLoad(view_bindings::depth_prepass_texture, pixel, 0);
     let prepass_view_z = view_transformations::depth_ndc_to_view_z(prepass_ndc);
-    // Fragments that are not the surface of the depth prepass (transparent ones) have no shadow result.
+    // Fragments that are neither the surface of the depth prepass nor the nearest transparent one have no shadow result.
     //
     // NOTE: one branch, which depends on the pixel. Of branches on uniform values alone a software driver compiles a
     // shader for every value of the buffer that it meets and keeps them all (155 in 15 s of a walk through the city).
@@ -41,8 +47,15 @@ fn fetch_directional_shadow(
 #endif
     let tolerance = select(-1.0, UMBRAGE_SAME_SURFACE * abs(prepass_view_z), is_result);
     if abs(prepass_view_z - view_z) <= tolerance {
-        let layer = i32((*light).depth_texture_base_index + last);
-        return textureLoad(view_bindings::directional_shadow_textures, pixel, layer, 0);
+        return textureLoad(view_bindings::directional_shadow_textures, pixel, first_layer + i32(own), 0);
+    }
+    let packed = bitcast<u32>(textureLoad(view_bindings::directional_shadow_textures, pixel, first_layer + i32(last), 0));
+    let second_ndc = bitcast<f32>(packed & 0xffffff00u);
+    let second_view_z = view_transformations::depth_ndc_to_view_z(second_ndc);
+    let second_tolerance =
+        select(-1.0, UMBRAGE_SAME_TRANSPARENT * abs(second_view_z), is_result & (last == 2u) & (second_ndc > 0.0));
+    if abs(second_view_z - view_z) <= second_tolerance {
+        return f32(packed & 0xffu) / 255.0;
     }
 #endif
 #endif

@@ -50,6 +50,7 @@ mod read_back;
 pub mod reference;
 mod shaders;
 pub mod spans;
+pub mod transparent;
 pub mod unpop;
 pub mod virtual_map;
 
@@ -113,6 +114,7 @@ impl Plugin for RenderPlugin {
             depth_range::DepthRangePlugin,
             apply::ApplyPlugin,
             virtual_map::VirtualMapPlugin,
+            transparent::TransparentPlugin,
             history::HistoryPlugin,
             blur::BlurPlugin,
             drop_in::DropInPlugin,

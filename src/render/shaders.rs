@@ -58,6 +58,7 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "apply/apply_views.wgsl");
     embed_shader!(registry, "blur/eye_blur.wgsl");
     embed_shader!(registry, "bridge/write_layer.wgsl");
+    embed_shader!(registry, "bridge/write_second_layer.wgsl");
     embed_shader!(registry, "caster/cull_casters.wgsl");
     embed_shader!(registry, "caster/peel.wgsl");
     embed_shader!(registry, "depth_range/reduce_depths.wgsl");

@@ -3,7 +3,8 @@
 //! The light has two cascades for every camera. The first is the *master view*: one uniform map over the whole range,
 //! the fallback for transparent surfaces; its frustum contains every caster of every partition, so Bevy's culling of it
 //! yields the set of casters. The second, the *mask layer*, contains nothing: the render room writes the shadow result
-//! into its depth texture, and finds it by its far bound.
+//! into its depth texture, and finds it by its far bound. Where the settings ask for it, a third one of the same kind
+//! carries the nearest transparent surfaces.
 
 use bevy::{
     light::{CascadeShadowConfig, Cascades, cascade::Cascade},
@@ -42,15 +43,23 @@ pub fn mask_size(picture: UVec2) -> usize {
     picture.max_element().clamp(1, LARGEST_MASK).next_power_of_two() as usize
 }
 
-/// Overwrites the cascades of every camera with master view and mask layer. Cameras that see nothing get an empty master
+/// Overwrites the cascades of every camera with master view, mask layer and that of transparent surfaces. Cameras that see nothing get an empty master
 /// view.
-pub(super) fn write(views: &SunViews, config: &mut CascadeShadowConfig, cascades: &mut Cascades) {
+pub(super) fn write(
+    views: &SunViews,
+    has_transparent_layer: bool,
+    config: &mut CascadeShadowConfig,
+    cascades: &mut Cascades,
+) {
+    let layers = if has_transparent_layer { 2 } else { 1 };
     for (camera, camera_cascades) in &mut cascades.cascades {
         let master = views
             .cameras
             .get(camera)
             .map_or_else(mask_cascade, |views| cascade(&views.master));
-        *camera_cascades = vec![master, mask_cascade()];
+        *camera_cascades = std::iter::once(master)
+            .chain(std::iter::repeat_n(mask_cascade(), layers))
+            .collect();
     }
     let range = views
         .cameras
@@ -62,9 +71,12 @@ pub(super) fn write(views: &SunViews, config: &mut CascadeShadowConfig, cascades
     config.minimum_distance = near.max(0.0);
     config.bounds.clear();
     // The farthest receiver itself is in front of the bound.
-    config
-        .bounds
-        .extend([(far + far.abs() * 1.0e-4).min(0.5 * MASK_BOUND), MASK_BOUND]);
+    config.bounds.extend([
+        (far + far.abs() * 1.0e-4).min(0.5 * MASK_BOUND),
+        MASK_BOUND,
+        2.0 * MASK_BOUND,
+    ]);
+    config.bounds.truncate(1 + layers);
 }
 
 #[cfg(test)]

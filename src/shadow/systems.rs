@@ -191,7 +191,7 @@ pub(super) fn write_cascades(
             continue;
         }
         match settings.path {
-            ShadowPath::Full => full::write(views, &mut config, &mut cascades),
+            ShadowPath::Full => full::write(views, settings.transparent_layer, &mut config, &mut cascades),
             ShadowPath::DropIn => drop_in::write(&settings, views, &mut config, &mut cascades),
         }
     }

@@ -177,13 +177,16 @@ impl Harness {
 
     /// The shadow result, 0..=1, row 0 on top.
     pub(crate) fn shadow_result(&self, camera: Entity) -> Vec<f32> {
-        let texels = self.camera_texture::<ShadowResult>(camera, |result| &result.texture);
-        texels
-            .bytes
-            .chunks_exact(2)
-            .map(|half| half_to_f32(u16::from_le_bytes([half[0], half[1]])))
-            .collect()
+        results(&self.camera_texture::<ShadowResult>(camera, |result| &result.texture))
     }
+}
+
+/// The numbers of a texture with the format of shadow results.
+pub(crate) fn results(texels: &Texels) -> Vec<f32> {
+    let halves = texels.bytes.chunks_exact(2);
+    halves
+        .map(|half| half_to_f32(u16::from_le_bytes([half[0], half[1]])))
+        .collect()
 }
 
 /// An image that a camera can draw into and a test can read.

@@ -3,17 +3,18 @@
 use bevy::{
     camera::RenderTarget,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
-    light::TransmittedShadowReceiver,
+    light::{NotShadowCaster, TransmittedShadowReceiver},
     pbr::{DefaultOpaqueRendererMethod, ShadowView},
     prelude::*,
     render::{
         RenderApp,
         render_resource::{CachedPipelineState, PipelineCache},
+        sync_world::RenderEntity,
     },
 };
-use umbrage::prelude::*;
+use umbrage::{prelude::*, render::transparent::TransparentLayer};
 
-use crate::harness::{Harness, WARM_UP, add_target, eye};
+use crate::harness::{Harness, WARM_UP, add_target, eye, results};
 
 const SIZE: UVec2 = UVec2::new(160, 90);
 /// Straight enough that the shadow of the slab lies beside it on the ground.
@@ -164,6 +165,86 @@ fn transparent_receivers_take_the_fallback_map() {
         dark < 0.7 * bright,
         "{dark} on the pane in the shadow against {bright} beside it"
     );
+}
+
+/// A glass pane with a layer: its shadow result is that of an opaque pane in its place, by every kind of maps, and reaches the
+/// picture without a fallback map.
+#[test]
+fn transparent_receivers_have_a_layer() {
+    for technique in [
+        "zp4+lispsm:size=512",
+        "tiled:n=4,tile=128",
+        "queried:max=8,tile=128,tile_max=256",
+        "fitted:n=8,tile_max=256",
+        "fitted:slices=2,n=8,tile_max=256",
+    ] {
+        let mut harness = Harness::new(SIZE, eye());
+        ground_and_slab(&mut harness);
+        let of = |alpha_mode| StandardMaterial {
+            base_color: Color::srgba(0.9, 0.9, 0.9, 0.9),
+            alpha_mode,
+            ..default()
+        };
+        let (board, glass) = (
+            harness.material(of(AlphaMode::Opaque)),
+            harness.material(of(AlphaMode::Blend)),
+        );
+        let mesh = harness.mesh(Plane3d::default().mesh().size(8.0, 6.0));
+        let place = Transform::from_xyz(0.0, 0.5, 0.0);
+        let pane = (Mesh3d(mesh), MeshMaterial3d(board), place, NotShadowCaster);
+        let pane = harness.app.world_mut().spawn(pane).id();
+        let keys = "transparent_layer=on,fallback=off";
+        let separator = if technique.contains(':') { "," } else { ":" };
+        harness.sun(LIGHT, settings(&format!("{technique}{separator}{keys}")));
+        harness.start();
+        let camera = harness.camera;
+        let expected = harness.shadow_result(camera);
+        let has_layer = |harness: &Harness| {
+            let entity = harness
+                .app
+                .world()
+                .get::<RenderEntity>(camera)
+                .expect("it is drawn")
+                .id();
+            let render_world = harness.app.sub_app(RenderApp).world();
+            render_world.get::<TransparentLayer>(entity).is_some()
+        };
+        assert!(!has_layer(&harness), "{technique}: nothing is transparent");
+
+        harness.app.world_mut().entity_mut(pane).insert(MeshMaterial3d(glass));
+        harness.frames(WARM_UP);
+        assert_pipelines_compiled(&harness);
+        let depths = harness.camera_texture::<TransparentLayer>(camera, |layer| &layer.depth.0);
+        let found = results(&harness.camera_texture::<TransparentLayer>(camera, |layer| &layer.result.0));
+        let behind = harness.shadow_result(camera);
+        let (mut pixels, mut dark, mut off, mut through) = (0, 0, 0, 0);
+        let surfaces = depths.to_f32().into_iter().zip(found);
+        for ((depth, found), (expected, behind)) in surfaces.zip(expected.iter().zip(&behind)) {
+            if depth > 0.0 {
+                pixels += 1;
+                dark += usize::from(*expected < 0.5);
+                off += usize::from((found - expected).abs() > 0.02);
+                through += usize::from((behind - expected).abs() > 0.02);
+            }
+        }
+        println!("{technique}: {pixels} pixels of glass, {dark} in shadow, {off} off; through it {through}");
+        assert!(
+            pixels > 300 && dark > 60,
+            "{technique}: {pixels} pixels, {dark} in shadow"
+        );
+        // Planes come from depths alone, those of the board from its normals too: pixels at its rim.
+        assert!(off * 100 <= pixels, "{technique}: {off} of {pixels} pixels are off");
+        assert!(
+            through > 10 * off.max(1),
+            "{technique}: what is behind has another shadow"
+        );
+        let over = |x: f32| brightness(&harness, camera, &harness.target, Vec3::new(x, 0.5, 0.0));
+        let (dark, bright) = (over(-1.9), over(2.5));
+        assert!(
+            dark < 0.7 * bright,
+            "{technique}: {dark} in the shadow against {bright}"
+        );
+    }
 }
 
 /// A second map of the whole scene is drawn in frames with a surface that reads it, and in no others.

@@ -1,5 +1,5 @@
 //! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result; where levels of
-//! detail fade, another one does the same for their nearest surfaces.
+//! detail fade, another one does the same for their nearest surfaces, and one for the nearest transparent ones.
 
 use bevy::{
     core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures, schedule::Core3d},
@@ -26,6 +26,7 @@ use super::{
     extract::ExtractedSun,
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
     shaders,
+    transparent::TransparentLayer,
     unpop::surfaces::FadingSurfaces,
 };
 use crate::shadow::{
@@ -198,13 +199,14 @@ fn apply_views(
         &ViewUniformOffset,
         &ExtractedSun,
         Option<&FadingSurfaces>,
+        Option<&TransparentLayer>,
     )>,
     pipeline: Res<ApplyPipeline>,
     cache: Res<PipelineCache>,
     (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
     mut ctx: RenderContext,
 ) {
-    let (camera, atlas, result, buffer, prepass, view_offset, sun, fading) = view.into_inner();
+    let (camera, atlas, result, buffer, prepass, view_offset, sun, fading, transparent) = view.into_inner();
     if sun.settings.maps.is_virtual() {
         return;
     }
@@ -221,7 +223,8 @@ fn apply_views(
     let opaque = (depth, normals, &result.view);
     let fading = fading.filter(|fading| fading.is_current);
     let fading = fading.map(|fading| (&fading.depth, &fading.normal, &fading.result));
-    for (depth, normals, target) in [Some(opaque), fading].into_iter().flatten() {
+    let transparent = transparent.map(|layer| (&layer.depth.1, &fallback.d2.texture_view, &layer.result.1));
+    for (depth, normals, target) in [Some(opaque), fading, transparent].into_iter().flatten() {
         let bind_group = ctx.render_device().create_bind_group(
             "umbrage_apply_views",
             &cache.get_bind_group_layout(&pipeline.layout),

@@ -2,9 +2,10 @@
 //!
 //! Bevy's lighting calls `fetch_directional_shadow` of the shader module `bevy_pbr::shadows`. The bridge renames that
 //! function and appends one of the same name that reads the shadow result from an extra layer of the sun's shadow
-//! map array (the main world gives the sun a last cascade that no stock light can have, see
-//! [`shadow::full`](crate::shadow::full)). Fragments that are not in the depth prepass (transparent ones), multisampled
-//! cameras and all other lights take Bevy's own lookup.
+//! map array (the main world gives the sun a second cascade that no stock light can have, see
+//! [`shadow::full`](crate::shadow::full)). Fragments that are not in the depth prepass (transparent ones) are looked for in
+//! a third layer, if there is one ([`transparent`](super::transparent)); those in neither, multisampled cameras and all
+//! other lights take Bevy's own lookup.
 
 mod layer;
 pub mod patch;
@@ -32,11 +33,11 @@ impl Plugin for BridgePlugin {
             return;
         };
         render_app
-            .add_systems(RenderStartup, layer::init_layer_pipeline)
+            .add_systems(RenderStartup, layer::init_layer_pipelines)
             .add_systems(
                 Core3d,
                 times
-                    .clock("write_layer", layer::write_layer)
+                    .clock("write_layers", layer::write_layers)
                     .in_set(SunShadowPasses::Bridge),
             );
     }

@@ -78,7 +78,7 @@ impl FadingItems<'_> {
 }
 
 /// Gives fading parts their draw function: Bevy queues all materials with its own.
-pub(super) fn draw_by_own_function(
+pub(in crate::render) fn draw_by_own_function(
     mut phases: ResMut<ViewSortedRenderPhases<Transparent3d>>,
     functions: Res<DrawFunctions<Transparent3d>>,
     materials: Res<RenderMaterialInstances>,

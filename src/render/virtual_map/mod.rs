@@ -22,12 +22,14 @@
 //!   and the number of textures change no bit.
 //!
 //! # Limits
-//! Surfaces that the depth prepass does not hold read Bevy's fallback map. `store=second|midpoint` needs two atlases and is
+//! Surfaces that the depth prepass does not hold read Bevy's fallback map, but the nearest transparent ones where they have
+//! a [layer](super::transparent). `store=second|midpoint` needs two atlases and is
 //! not drawn. Filters wider than the margins ([`tiles::margin`]) are cut at borders of tiles.
 
 pub mod fitted;
 pub mod overlay;
 pub mod queried;
+mod receivers;
 pub mod record;
 pub mod report;
 pub mod textures;
@@ -53,6 +55,7 @@ use bevy::{
 };
 
 use self::{
+    receivers::receivers,
     record::{Counting, TileList, record_tiles},
     report::{DrawnTile, VirtualMapReport, VirtualMapReports},
     textures::TileTextures,
@@ -316,26 +319,28 @@ impl TileFrame<'_> {
     /// Everything is lit, no caster is drawn.
     fn clear(&mut self) {
         let (world, camera) = (&*self.world, self.camera);
-        if let (Ok(mut ctx), Some(result)) = (self.context.get(world), world.get::<ShadowResult>(camera)) {
+        if let Ok(mut ctx) = self.context.get(world) {
             if let Some(drawn) = world.get::<CasterPlan>(camera).and_then(|plan| plan.drawn.as_ref()) {
                 ctx.command_encoder().clear_buffer(drawn, 0, None);
             }
-            ctx.begin_tracked_render_pass(RenderPassDescriptor {
-                label: Some("umbrage_clear_result"),
-                color_attachments: &[Some(RenderPassColorAttachment {
-                    view: &result.view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: Operations {
-                        load: LoadOp::Clear(LinearRgba::WHITE.into()),
-                        store: StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: None,
-                timestamp_writes: None,
-                occlusion_query_set: None,
-                multiview_mask: None,
-            });
+            for receiver in receivers(world, camera) {
+                ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                    label: Some("umbrage_clear_result"),
+                    color_attachments: &[Some(RenderPassColorAttachment {
+                        view: receiver.result,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: Operations {
+                            load: LoadOp::Clear(LinearRgba::WHITE.into()),
+                            store: StoreOp::Store,
+                        },
+                    })],
+                    depth_stencil_attachment: None,
+                    timestamp_writes: None,
+                    occlusion_query_set: None,
+                    multiview_mask: None,
+                });
+            }
         }
         self.context.apply(self.world);
     }

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use bevy::{
-    core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures},
+    core_pipeline::FullscreenShader,
     math::DMat4,
     prelude::*,
     render::{
@@ -23,12 +23,16 @@ use bevy::{
             encase,
         },
         renderer::{RenderContext, RenderDevice},
-        texture::FallbackImage,
         view::{ViewUniform, ViewUniformOffset, ViewUniforms},
     },
 };
 
-use super::{TileSchedule, textures::TileTextures, tiles::TileDraw};
+use super::{
+    TileSchedule,
+    receivers::{Receiver, receivers},
+    textures::TileTextures,
+    tiles::TileDraw,
+};
 use crate::render::{
     apply::ApplyBuffer,
     atlas::{ATLAS_FORMAT, RESULT_FORMAT, ShadowResult},
@@ -219,8 +223,8 @@ struct DrawnTile {
 /// Of a matrix in a buffer.
 const MATRIX_BYTES: u64 = 64;
 
-/// Of apply passes, by the texture that they read.
-type BindGroups = HashMap<usize, BindGroup>;
+/// Of apply passes, by the texture and the number of the receiver that they read.
+type BindGroups = HashMap<(usize, usize), BindGroup>;
 
 /// What all tiles of a list share.
 struct Recording<'a> {
@@ -234,10 +238,11 @@ struct Recording<'a> {
     camera: &'a ExtractedCamera,
     view_offset: u32,
     result: &'a ShadowResult,
-    prepass: &'a ViewPrepassTextures,
+    receivers: Vec<Receiver<'a>>,
     parameters: BindingResource<'a>,
     view_binding: BindingResource<'a>,
-    apply: (&'a BindGroupLayoutDescriptor, &'a RenderPipeline),
+    /// Of the depth prepass, and of all other receivers, whose changes do not count.
+    apply: [(&'a BindGroupLayoutDescriptor, &'a RenderPipeline); 2],
     clear: &'a RenderPipeline,
     tiles: Buffer,
     tile_stride: u32,
@@ -253,7 +258,10 @@ impl<'a> Recording<'a> {
             .collect();
         let pipelines = world.resource::<TilePipelines>();
         let cache = world.resource::<PipelineCache>();
-        let (layout, apply) = &pipelines.apply[usize::from(list.counting.is_some())];
+        let apply = |counts: bool| {
+            let (layout, id) = &pipelines.apply[usize::from(counts)];
+            Some((layout, cache.get_render_pipeline(*id)?))
+        };
         let view_uniforms = &world.resource::<ViewUniforms>().uniforms;
         let tile_stride = device
             .limits()
@@ -271,10 +279,10 @@ impl<'a> Recording<'a> {
             camera: camera.get()?,
             view_offset: camera.get::<ViewUniformOffset>()?.offset,
             result: camera.get()?,
-            prepass: camera.get()?,
+            receivers: receivers(world, camera.id()),
             parameters: camera.get::<ApplyBuffer>()?.0.binding()?,
             view_binding: view_uniforms.binding()?,
-            apply: (layout, cache.get_render_pipeline(*apply)?),
+            apply: [apply(list.counting.is_some())?, apply(false)?],
             clear: cache.get_render_pipeline(pipelines.clear)?,
             tiles: tile_buffer(device, list.tiles, tolerance, tile_stride),
             tile_stride,
@@ -333,20 +341,27 @@ impl<'a> Recording<'a> {
         drawn: &[DrawnTile],
         bind_groups: &mut BindGroups,
     ) {
-        for tile in drawn {
-            if !bind_groups.contains_key(&tile.texture)
-                && let Some(bind_group) = self.bind_group(world, ctx, list, &list.textures.get(tile.texture).1)
-            {
-                bind_groups.insert(tile.texture, bind_group);
-            }
-        }
         if drawn.is_empty() {
             return;
         }
+        for number in 0..self.receivers.len() {
+            for tile in drawn {
+                let key = (tile.texture, number);
+                if !bind_groups.contains_key(&key)
+                    && let Some(bind_group) = self.bind_group(world, ctx, list, key)
+                {
+                    bind_groups.insert(key, bind_group);
+                }
+            }
+            self.apply_to(ctx, number, drawn, bind_groups);
+        }
+    }
+
+    fn apply_to(&self, ctx: &mut RenderContext, number: usize, drawn: &[DrawnTile], bind_groups: &BindGroups) {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("umbrage_apply_tiles"),
             color_attachments: &[Some(RenderPassColorAttachment {
-                view: &self.result.view,
+                view: self.receivers[number].result,
                 depth_slice: None,
                 resolve_target: None,
                 ops: Operations {
@@ -362,14 +377,14 @@ impl<'a> Recording<'a> {
         if let Some(viewport) = &self.camera.viewport {
             pass.set_camera_viewport(viewport);
         }
-        pass.set_render_pipeline(self.apply.1);
+        pass.set_render_pipeline(self.apply[number.min(1)].1);
         for DrawnTile {
             index,
             texture,
             scissor,
         } in drawn
         {
-            let Some(bind_group) = bind_groups.get(texture) else {
+            let Some(bind_group) = bind_groups.get(&(*texture, number)) else {
                 continue;
             };
             pass.set_scissor_rect(scissor.min.x, scissor.min.y, scissor.width(), scissor.height());
@@ -400,13 +415,12 @@ impl<'a> Recording<'a> {
         world: &World,
         ctx: &RenderContext,
         list: &TileList,
-        tile_depths: &TextureView,
+        (texture, number): (usize, usize),
     ) -> Option<BindGroup> {
-        let layout = world.resource::<PipelineCache>().get_bind_group_layout(self.apply.0);
-        let depth = self.prepass.depth_view()?;
-        // White is no normal.
-        let fallback = &world.resource::<FallbackImage>().d2.texture_view;
-        let normals = self.prepass.normal_view().unwrap_or(fallback);
+        let layout = self.apply[number.min(1)].0;
+        let layout = world.resource::<PipelineCache>().get_bind_group_layout(layout);
+        let Receiver { depth, normals, .. } = *self.receivers.get(number)?;
+        let tile_depths = &list.textures.get(texture).1;
         let tile = BindingResource::Buffer(BufferBinding {
             buffer: &self.tiles,
             offset: 0,
@@ -421,7 +435,9 @@ impl<'a> Recording<'a> {
             tile,
         ));
         let mut entries: Vec<BindGroupEntry> = common.to_vec();
-        if let Some(counting) = &list.counting {
+        if number == 0
+            && let Some(counting) = &list.counting
+        {
             let more =
                 BindGroupEntries::with_indices(((6, counting.old_result), (7, counting.reports.as_entire_binding())));
             entries.extend(more.to_vec());

@@ -164,7 +164,7 @@ mod tests {
                     (0.001f32..1e6).prop_map(|near| (NearMeasurement::Slices, Some(near))),
                 ],
             ),
-            (fallback_map, is_each, far, splits, is_same) in any::<(bool, bool, bool, bool, bool)>(),
+            (fallback_map, transparent_layer, is_each, far, splits, is_same) in any::<(bool, bool, bool, bool, bool, bool)>(),
             (count, stable) in (
                 Just(count),
                 prop_oneof![
@@ -199,7 +199,7 @@ mod tests {
             let partitions = Partitions { count, scheme, faces, etas, resolution };
             let caster_passes = if is_each { CasterPasses::PerMap } else { CasterPasses::Shared };
             let full = SunShadows {
-                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, caster_passes, store, blur, distance, near, measured, stable, fallback_map,
+                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, caster_passes, store, blur, distance, near, measured, stable, fallback_map, transparent_layer,
             };
             match path {
                 ShadowPath::Full => full,
@@ -221,6 +221,7 @@ mod tests {
                     store: SunShadows::HIGH.store,
                     blur: SunShadows::HIGH.blur,
                     fallback_map: SunShadows::HIGH.fallback_map,
+                    transparent_layer: SunShadows::HIGH.transparent_layer,
                     measured: SunShadows::HIGH.measured,
                     stable: SunShadows::HIGH.stable,
                     ..full

@@ -18,6 +18,10 @@ pub(super) const TOPIC: Topic = Topic {
         Key::new("path", "full|dropin"),
         Key::new("size", "texels per side of one map, 16..=8192"),
         Key::full("fallback", "on|off"),
+        Key::full(
+            "transparent_layer",
+            "on|off: whether the nearest transparent surfaces have sharp shadows",
+        ),
         Key::full("passes", "shared|each, of the casters"),
     ],
     read,
@@ -75,6 +79,9 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     if let Some(fallback) = pairs.read("fallback", switch)? {
         settings.fallback_map = fallback;
     }
+    if let Some(layer) = pairs.read("transparent_layer", switch)? {
+        settings.transparent_layer = layer;
+    }
     if let Some(passes) = pairs.read("passes", |text| match text {
         "shared" => Some(CasterPasses::Shared),
         "each" => Some(CasterPasses::PerMap),
@@ -95,6 +102,10 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     }
     if settings.fallback_map != default.fallback_map {
         pairs.push(format!("fallback={}", switch_text(settings.fallback_map)));
+    }
+    if settings.transparent_layer != default.transparent_layer {
+        let layer = switch_text(settings.transparent_layer);
+        pairs.push(format!("transparent_layer={layer}"));
     }
     if settings.caster_passes != default.caster_passes {
         pairs.push("passes=each".to_owned());

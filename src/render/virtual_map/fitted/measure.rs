@@ -1,13 +1,13 @@
 //! The pass that measures needs: what it reads, what it writes, and the grid that comes of it.
 
 use bevy::{
-    core_pipeline::prepass::ViewPrepassTextures,
     math::UVec2,
     prelude::*,
     render::{
         render_resource::{
-            BindGroup, BindGroupEntry, Buffer, BufferDescriptor, BufferInitDescriptor, BufferUsages, CommandEncoder,
-            ComputePassDescriptor, IntoBinding, PipelineCache, ShaderType, encase::StorageBuffer,
+            BindGroup, BindGroupEntry, BindGroupLayout, Buffer, BufferDescriptor, BufferInitDescriptor, BufferUsages,
+            CommandEncoder, ComputePassDescriptor, IntoBinding, PipelineCache, ShaderType, TextureView,
+            encase::StorageBuffer,
         },
         renderer::RenderDevice,
         view::{ViewUniformOffset, ViewUniforms},
@@ -169,10 +169,12 @@ impl PassBuffers {
     }
 }
 
-/// Records the pass for a camera. False while the pipeline or the depth prepass is missing.
+/// Records the pass for pictures of a camera, given by their depths: the needs of all of them are collected together, into a
+/// mapping map only those of the first. False while the pipeline or a picture is missing.
 pub fn record(
     world: &World,
     camera: Entity,
+    depths: &[&TextureView],
     measurement: &Measurement,
     parameters: &NeedParameters,
     buffers: &PassBuffers,
@@ -186,9 +188,19 @@ pub fn record(
         return false;
     };
     let pipeline = pipelines.of(measurement.pass);
-    let (Some(compute), Some((bind_group, offset))) = (
+    let layout = cache.get_bind_group_layout(&pipeline.layout);
+    let pictures = match measurement.pass {
+        NeedPass::Collect | NeedPass::CollectWithHistograms => depths,
+        NeedPass::Map | NeedPass::MapBytes => &depths[..depths.len().min(1)],
+    };
+    let bind_groups: Option<Vec<_>> = pictures
+        .iter()
+        .map(|depth| bind_group(world, camera, depth, &layout, buffers))
+        .collect();
+    let (Some(compute), Some(bind_groups), false) = (
         cache.get_compute_pipeline(pipeline.id),
-        bind_group(world, camera, &cache.get_bind_group_layout(&pipeline.layout), buffers),
+        bind_groups,
+        pictures.is_empty(),
     ) else {
         return false;
     };
@@ -208,20 +220,22 @@ pub fn record(
         timestamp_writes: None,
     });
     pass.set_pipeline(compute);
-    pass.set_bind_group(0, &bind_group, &[offset]);
-    pass.dispatch_workgroups(groups.x, groups.y, 1);
+    for (bind_group, offset) in &bind_groups {
+        pass.set_bind_group(0, bind_group, &[*offset]);
+        pass.dispatch_workgroups(groups.x, groups.y, 1);
+    }
     true
 }
 
 fn bind_group(
     world: &World,
     camera: Entity,
-    layout: &bevy::render::render_resource::BindGroupLayout,
+    depth: &TextureView,
+    layout: &BindGroupLayout,
     buffers: &PassBuffers,
 ) -> Option<(BindGroup, u32)> {
     let view = world.get_resource::<ViewUniforms>()?.uniforms.binding()?;
     let offset = world.get::<ViewUniformOffset>(camera)?.offset;
-    let depth = world.get::<ViewPrepassTextures>(camera)?.depth_view()?;
     let inputs = [
         (0, view),
         (1, depth.into_binding()),

@@ -40,6 +40,7 @@ use self::{
 };
 use super::{
     TileFrame,
+    receivers::receivers,
     tiles::{TileDraw, margin},
 };
 use crate::{
@@ -242,10 +243,20 @@ fn planned(frame: &mut TileFrame, requests: Vec<FittedRequest>, state: &mut Fitt
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor {
         label: Some("umbrage_fitted"),
     });
+    let pictures = receivers(world, camera);
+    let depths: Vec<_> = pictures.iter().map(|receiver| receiver.depth).collect();
     let are_recorded = (requests.iter().zip(&measurements))
         .zip(&buffers.0)
         .all(|((request, measurement), buffers)| {
-            measure::record(world, camera, measurement, &request.parameters(), buffers, &mut encoder)
+            measure::record(
+                world,
+                camera,
+                &depths,
+                measurement,
+                &request.parameters(),
+                buffers,
+                &mut encoder,
+            )
         });
     memory.copy(&mut encoder, &buffers.outputs());
     let buffer_bytes = buffers.bytes() + memory.bytes();
