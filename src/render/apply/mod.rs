@@ -1,5 +1,5 @@
 //! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result; where levels of
-//! detail fade, another one does the same for their nearest surfaces.
+//! detail fade, one per layer does the same for their nearest surfaces.
 
 use bevy::{
     core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures, schedule::Core3d},
@@ -26,7 +26,7 @@ use super::{
     extract::ExtractedSun,
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
     shaders,
-    unpop::surfaces::FadingSurfaces,
+    unpop::{layers::ExtractedLayers, surfaces::FadingSurfaces},
 };
 use crate::shadow::{
     settings::{Faces, PartitionSelection, SeamWidth, ShadowBias, ShadowFilter},
@@ -201,7 +201,7 @@ fn apply_views(
     )>,
     pipeline: Res<ApplyPipeline>,
     cache: Res<PipelineCache>,
-    (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
+    (view_uniforms, fallback, layers): (Res<ViewUniforms>, Res<FallbackImage>, Res<ExtractedLayers>),
     mut ctx: RenderContext,
 ) {
     let (camera, atlas, result, buffer, prepass, view_offset, sun, fading) = view.into_inner();
@@ -220,8 +220,17 @@ fn apply_views(
     let normals = prepass.normal_view().unwrap_or(&fallback.d2.texture_view);
     let opaque = (depth, normals, &result.view);
     let fading = fading.filter(|fading| fading.is_current);
-    let fading = fading.map(|fading| (&fading.depth, &fading.normal, &fading.result));
-    for (depth, normals, target) in [Some(opaque), fading].into_iter().flatten() {
+    let fading = fading.into_iter().flat_map(|fading| {
+        let surfaces = fading
+            .depth
+            .each
+            .iter()
+            .zip(&fading.normal.each)
+            .zip(&fading.result.each);
+        let in_use = surfaces.take(layers.0 as usize);
+        in_use.map(|((depth, normal), result)| (depth, normal, result))
+    });
+    for (depth, normals, target) in std::iter::once(opaque).chain(fading) {
         let bind_group = ctx.render_device().create_bind_group(
             "umbrage_apply_views",
             &cache.get_bind_group_layout(&pipeline.layout),
