@@ -4,9 +4,9 @@
 // are of a millimetre, which no stock cascade can be (`shadow::full` writes both). A third one is that of the nearest
 // transparent surfaces, packed by `write_second_layer.wgsl`.
 #ifdef UMBRAGE_FADING
-@group(4) @binding(3) var umbrage_fading_depth: texture_depth_2d;
-@group(4) @binding(2) var umbrage_fading_result: texture_2d<f32>;
-// Those behind another fading one take the result of what is opaque nearby, mostly their own object.
+@group(4) @binding(3) var umbrage_fading_depth: texture_depth_2d_array;
+@group(4) @binding(2) var umbrage_fading_result: texture_2d_array<f32>;
+// Those that are the nearest in no layer take the result of what is opaque nearby, mostly their own object.
 const UMBRAGE_SAME_SURFACE: f32 = 0.1;
 #else
 const UMBRAGE_SAME_SURFACE: f32 = 0.01;
@@ -37,12 +37,14 @@ fn fetch_directional_shadow(
     // NOTE: one branch, which depends on the pixel. Of branches on uniform values alone a software driver compiles a
     // shader for every value of the buffer that it meets and keeps them all (155 in 15 s of a walk through the city).
 #ifdef UMBRAGE_FADING
-    // Fading levels of detail have a shadow result of their own, for the nearest of them.
-    let fading_ndc = textureLoad(umbrage_fading_depth, pixel, 0);
-    let fading_view_z = view_transformations::depth_ndc_to_view_z(fading_ndc);
-    let fading_tolerance = select(-1.0, 0.001 * abs(fading_view_z), is_result & (fading_ndc > 0.0));
-    if abs(fading_view_z - view_z) <= fading_tolerance {
-        return textureLoad(umbrage_fading_result, pixel, 0).r;
+    // Fading levels of detail have a shadow result of their own, for the nearest of every layer.
+    for (var layer = 0u; layer < textureNumLayers(umbrage_fading_depth); layer += 1u) {
+        let fading_ndc = textureLoad(umbrage_fading_depth, pixel, layer, 0);
+        let fading_view_z = view_transformations::depth_ndc_to_view_z(fading_ndc);
+        let fading_tolerance = select(-1.0, 0.001 * abs(fading_view_z), is_result & (fading_ndc > 0.0));
+        if abs(fading_view_z - view_z) <= fading_tolerance {
+            return textureLoad(umbrage_fading_result, pixel, layer, 0).r;
+        }
     }
 #endif
     let tolerance = select(-1.0, UMBRAGE_SAME_SURFACE * abs(prepass_view_z), is_result);

@@ -2,6 +2,7 @@
 #define_import_path umbrage::coat
 
 const MOST: u32 = 1023u;
+const NUMBERS: u32 = 511u;
 
 // Opacity, 0..1.
 fn coat_alpha(tag: u32) -> f32 {
@@ -15,14 +16,21 @@ fn coat_shadow(tag: u32) -> f32 {
 
 // The same for all parts of an object's level; never 0, which stands for none.
 fn coat_level(tag: u32) -> u32 {
-    return (tag >> 20u) + 1u;
+    return ((tag >> 20u) & NUMBERS) + 1u;
 }
 
-// Thresholds of a tile of 4 x 4 texels, 1/32 to 31/32: ordered dither (Bayer 1973).
+// The layer of nearest surfaces that the level is found in.
+fn coat_layer(tag: u32) -> u32 {
+    return tag >> 29u;
+}
+
+// Thresholds of a tile of 8 x 8 texels, 1/128 to 127/128: ordered dither (Bayer 1973). Of fewer thresholds, a share that
+// grows evenly would pass one in some frames and two in others.
 fn threshold(texel: vec2<u32>) -> f32 {
-    let x = texel.x & 3u;
-    let y = texel.y & 3u;
-    let mixed = x ^ y;
-    let rank = ((mixed & 1u) << 3u) | ((y & 1u) << 2u) | (mixed & 2u) | (y >> 1u);
-    return (f32(rank) + 0.5) / 16.0;
+    let y = texel.y & 7u;
+    let mixed = (texel.x & 7u) ^ y;
+    let coarse = ((mixed & 1u) << 5u) | ((y & 1u) << 4u);
+    let middle = ((mixed & 2u) << 2u) | ((y & 2u) << 1u);
+    let fine = ((mixed & 4u) >> 1u) | ((y & 4u) >> 2u);
+    return (f32(coarse | middle | fine) + 0.5) / 64.0;
 }

@@ -212,6 +212,12 @@ pub struct Pop {
     /// Which levels cast shadows during a crossing: solid, both or fading
     #[arg(long, value_name = "WHICH", value_parser = lod_shadows, default_value = "fading")]
     pub shadows: LodShadows,
+    /// Factor on distances for shadows: above 1 coarser levels than are seen cast them
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
+    pub shadow_bias: f32,
+    /// Fading objects before each other that are drawn with their nearest surface only
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub layers: u32,
     /// Places on the path where the camera stops and watches
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub stops: u32,
@@ -311,6 +317,14 @@ fn lod_kind(name: &str) -> Result<LodKind, String> {
         let names = LodKind::ALL.map(LodKind::name).join(", ");
         format!("there is no kind of transition `{name}`; there are {names}")
     })
+}
+
+fn factor(text: &str) -> Result<f32, String> {
+    let factor = text
+        .parse()
+        .ok()
+        .filter(|factor: &f32| *factor > 0.0 && factor.is_finite());
+    factor.ok_or_else(|| format!("`{text}` is no factor: it must be a positive number"))
 }
 
 fn lod_shadows(name: &str) -> Result<LodShadows, String> {
@@ -474,6 +488,9 @@ mod tests {
             "umbrage bench forest --against stock",
             "umbrage pop forest --kind sudden",
             "umbrage pop forest --shadows none",
+            "umbrage pop forest --shadow-bias 0",
+            "umbrage pop forest --shadow-bias x",
+            "umbrage pop forest --layers 9",
             "umbrage shoot forest --lod sudden",
             "umbrage play --preset best",
             "umbrage list",

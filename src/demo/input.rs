@@ -60,6 +60,8 @@ pub enum Action {
     NextOverlay,
     /// The next way in which levels of detail take each other's place.
     NextLod,
+    /// The next way for the right half of the picture.
+    NextLodOnTheRight,
     /// Show or hide the view from outside.
     ToggleOutside,
     /// Freeze the frame and compare it with truth, or go on.
@@ -198,7 +200,11 @@ pub const ROWS: &[Row] = {
         playing("move the sun by mouse, while held", &[(Key(KeyCode::KeyL), SunDrag)]),
         playing("let the day run, stop it", &[(Key(KeyCode::KeyK), ToggleDay)]),
         playing("overlays", &[(Key(KeyCode::KeyO), NextOverlay)]),
-        playing("levels of detail", &[(Key(KeyCode::KeyV), NextLod)]),
+        playing("levels of detail", &[(Plain(KeyCode::KeyV), NextLod)]),
+        playing(
+            "levels of detail of the right half",
+            &[(Shift(KeyCode::KeyV), NextLodOnTheRight)],
+        ),
         playing("outside view", &[(Key(KeyCode::F5), ToggleOutside)]),
         playing("judge the frozen frame against truth", &[(Key(KeyCode::KeyJ), Judge)]),
         playing("photo into out/", &[(Key(KeyCode::KeyP), Photo)]),

@@ -1,4 +1,5 @@
-//! The key that steps through the ways in which levels of detail take each other's place, and the overlay that shows them.
+//! The keys that step through the ways in which levels of detail take each other's place, in the whole picture or side by
+//! side, and the overlay that shows them.
 
 use std::any::TypeId;
 
@@ -9,7 +10,7 @@ use super::{
     hud::Notice,
     input::{Action, Intent},
     overlay::Overlay,
-    screens::Activity,
+    screens::{Activity, Screen},
 };
 use crate::lod::{
     gizmos::LodGizmos,
@@ -21,6 +22,7 @@ pub(super) fn plugin(app: &mut App) {
         Update,
         (
             cycle.run_if(in_state(Activity::Running).and_then(resource_exists::<LodSettings>)),
+            show_divider.run_if(in_state(Screen::Play).and_then(resource_exists::<LodSettings>)),
             show_posts.run_if(resource_exists::<GizmoConfigStore>.and_then(resource_changed::<Overlay>)),
         )
             .chain()
@@ -49,10 +51,51 @@ fn what(kind: LodKind) -> &'static str {
     }
 }
 
+/// Between two ways side by side.
+#[derive(Component)]
+struct Divider;
+
 fn cycle(intent: Res<Intent>, mut settings: ResMut<LodSettings>, mut notice: ResMut<Notice>) {
-    if intent.started(Action::NextLod) {
+    let left = intent.started(Action::NextLod);
+    let right = intent.started(Action::NextLodOnTheRight);
+    if left {
         settings.transition.kind = next(settings.transition.kind);
-        notice.show(format!("levels of detail {}", what(settings.transition.kind)));
+    }
+    if right {
+        settings.right_half = match settings.right_half.map(next) {
+            None => Some(LodKind::Hard),
+            Some(kind) => Some(kind).filter(|kind| *kind != LodKind::Hard),
+        };
+    }
+    if left || right {
+        let kind = settings.transition.kind;
+        notice.show(match settings.right_half {
+            Some(other) => format!("levels of detail: left {}, right {}", kind.name(), other.name()),
+            None => format!("levels of detail {}", what(kind)),
+        });
+    }
+}
+
+/// Draws a line where the halves meet.
+fn show_divider(mut commands: Commands, settings: Res<LodSettings>, dividers: Query<Entity, With<Divider>>) {
+    match (settings.right_half, dividers.is_empty()) {
+        (Some(_), true) => {
+            commands.spawn((
+                Name::new("divider"),
+                Divider,
+                Node {
+                    position_type: PositionType::Absolute,
+                    left: percent(50),
+                    width: px(2),
+                    height: percent(100),
+                    ..default()
+                },
+                BackgroundColor(Color::srgba(1.0, 1.0, 1.0, 0.6)),
+                DespawnOnExit(Screen::Play),
+            ));
+        }
+        (None, false) => dividers.iter().for_each(|divider| commands.entity(divider).despawn()),
+        _ => {}
     }
 }
 

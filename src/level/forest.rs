@@ -46,8 +46,8 @@ pub fn generate(level: &Level, forest: &Forest) -> Scenery {
     Scenery {
         statics,
         placements,
-        grove: None,
         ground: Ground::new(Surface::Hills(Box::new(terrain)), Vec::new(), blockers),
+        ..Scenery::default()
     }
 }
 

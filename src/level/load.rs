@@ -250,6 +250,7 @@ pub(super) fn advance_level(
                 Ok(library) => {
                     let mut palette = Palette::new(&mut assets, prepared, library);
                     palette.spawn_statics(&mut commands, &mut assets, std::mem::take(&mut prepared.statics));
+                    palette.spawn_patches(&mut commands, &mut assets.meshes, std::mem::take(&mut prepared.patches));
                     sky::spawn_sun(&mut commands, &level.sun);
                     Ok(Job::Spawn(Box::new(SpawnJob {
                         handle: handle.clone(),

@@ -114,22 +114,21 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
     let size = level.terrain.size.max(Vec2::splat(extent + 20.0));
     let land = Land::new(size, level.terrain.hills, level.seed);
     let grove = Grove::new(trees.count, trees.spacing, level.seed, land).in_wind(trees.wind);
-    let tiles = land.tiles().into_iter();
-    let statics = tiles.map(|mesh| Static::colored("land", mesh)).collect();
+    let patches = land.patches();
     let ground = Ground::new(Surface::Land(land), Vec::new(), Vec::new()).with_grove(grove);
     if trees.cells {
         return Scenery {
-            statics,
-            placements: Vec::new(),
+            patches,
             grove: Some(grove),
             ground,
+            ..Scenery::default()
         };
     }
     Scenery {
-        statics,
+        patches,
         placements: grove.trees().collect(),
-        grove: None,
         ground,
+        ..Scenery::default()
     }
 }
 
@@ -138,8 +137,8 @@ fn finish(size: Vec2, statics: Vec<Static>, placements: Vec<Placement>) -> Scene
     Scenery {
         statics,
         placements,
-        grove: None,
         ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers).within(size),
+        ..Scenery::default()
     }
 }
 

@@ -1,5 +1,7 @@
 //! [`Scenery`]: a whole level as values, before anything is spawned.
 
+use bevy_math::Vec3;
+
 use super::{
     city,
     cover::Cover,
@@ -17,6 +19,8 @@ use super::{
 pub struct Scenery {
     /// Meshes that stand in one place only, in world space.
     pub statics: Vec<Static>,
+    /// The same in levels of detail.
+    pub patches: Vec<Patch>,
     /// Everything else.
     pub placements: Vec<Placement>,
     /// Trees that are drawn cell by cell.
@@ -34,6 +38,37 @@ pub struct Static {
     pub mesh: MeshData,
     /// How its surface looks.
     pub finish: Finish,
+}
+
+/// A piece of ground in levels of detail, in its vertices' colours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// For inspectors.
+    pub name: &'static str,
+    /// Where the levels' own space begins, world space: distances are measured from there.
+    pub origin: Vec3,
+    /// From fine to coarse.
+    pub levels: Vec<PatchLevel>,
+    /// Where all levels but the last end, metres.
+    pub ends: Vec<f64>,
+}
+
+/// A level of a [`Patch`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PatchLevel {
+    /// Triangles, opaque.
+    pub mesh: MeshData,
+    /// For each vertex, what differs in the next coarser level; empty in the last one.
+    pub coarser: Vec<Correspondence>,
+}
+
+/// What differs for a vertex in the next coarser level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correspondence {
+    /// Metres.
+    pub position: Vec3,
+    /// Added to its normal, it gives the other one.
+    pub normal: Vec3,
 }
 
 /// How the surface of a [`Static`] looks.

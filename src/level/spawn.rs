@@ -11,7 +11,8 @@ use bevy::{
     camera::primitives::Aabb,
     ecs::system::SystemParam,
     light::{NotShadowCaster, TransmittedShadowReceiver},
-    mesh::{Indices, PrimitiveTopology},
+    math::Vec3A,
+    mesh::{Indices, PrimitiveTopology, morph::MorphAttributes},
     prelude::*,
 };
 
@@ -26,12 +27,12 @@ use super::{
     load::LevelEntity,
     meshes::MeshData,
     model::{Model, Placement, Tint},
-    scenery::{Finish, Scenery},
+    scenery::{Finish, Patch, PatchLevel, Scenery},
     simple_trees::{self, LEVEL_ENDS, LEVELS},
 };
 use crate::{
     forge::city::facade::assemble::Shared,
-    lod::chain::LodChain,
+    lod::chain::{LodChain, LodMorph},
     maths::lod::selection::{LodBorders, LodMetric},
 };
 
@@ -52,10 +53,48 @@ impl ReadyMesh {
     }
 }
 
+/// A [`Patch`] whose meshes are built.
+pub struct ReadyPatch {
+    name: &'static str,
+    origin: Vec3,
+    /// From fine to coarse; all but the last one carry what differs in the next.
+    levels: Vec<ReadyMesh>,
+    borders: LodBorders,
+}
+
+impl ReadyPatch {
+    fn new(patch: Patch) -> Self {
+        let level = |level: PatchLevel| {
+            let mut ready = ReadyMesh::new(level.mesh)?;
+            if !level.coarser.is_empty() {
+                let half = level
+                    .coarser
+                    .iter()
+                    .fold(Vec3::ZERO, |most, moved| most.max(moved.position.abs()));
+                ready.aabb.half_extents += Vec3A::from(half);
+                let target = level
+                    .coarser
+                    .iter()
+                    .map(|to| MorphAttributes::new(to.position, to.normal, Vec3::ZERO));
+                ready.mesh.set_morph_targets(target.collect());
+            }
+            Some(ready)
+        };
+        Self {
+            name: patch.name,
+            origin: patch.origin,
+            levels: patch.levels.into_iter().filter_map(level).collect(),
+            borders: LodBorders::new(patch.ends),
+        }
+    }
+}
+
 /// A level whose meshes are built: everything that takes time and needs no world.
 pub struct Prepared {
     /// Meshes in world space, and how they look.
     pub statics: Vec<(&'static str, ReadyMesh, Finish)>,
+    /// Ground in levels of detail.
+    pub patches: Vec<ReadyPatch>,
     /// Every model that is built here.
     pub models: Vec<(Model, ReadyMesh)>,
     /// The levels of all simple trees, in the order of [`blocks::models`]; empty where there are none.
@@ -124,6 +163,7 @@ impl Prepared {
                 .into_iter()
                 .filter_map(|part| Some((part.name, ReadyMesh::new(part.mesh)?, part.finish)))
                 .collect(),
+            patches: scenery.patches.into_iter().map(ReadyPatch::new).collect(),
             placements: scenery.placements,
             grove: scenery.grove,
             ground: scenery.ground,
@@ -276,6 +316,35 @@ impl Palette {
                 (None, Finish::Water) => entity.insert((MeshMaterial3d(self.water.clone()), NotShadowCaster)),
                 (None, _) => entity.insert(MeshMaterial3d(self.solid.clone())),
             };
+        }
+    }
+
+    /// Spawns ground in levels of detail.
+    pub fn spawn_patches(&self, commands: &mut Commands, meshes: &mut Assets<Mesh>, patches: Vec<ReadyPatch>) {
+        for patch in patches {
+            let place = Transform::from_translation(patch.origin);
+            let levels: Vec<Vec<Entity>> = patch
+                .levels
+                .into_iter()
+                .map(|ReadyMesh { mesh, aabb }| {
+                    let has_correspondence = mesh.has_morph_targets();
+                    let mesh = Mesh3d(meshes.add(mesh));
+                    let material = MeshMaterial3d(self.solid.clone());
+                    let mut part = commands.spawn((Name::new(patch.name), mesh, material, aabb, place, LevelEntity));
+                    if has_correspondence {
+                        part.insert(LodMorph);
+                    }
+                    vec![part.id()]
+                })
+                .collect();
+            if levels.len() > 1 {
+                let chain = LodChain {
+                    levels,
+                    borders: Arc::new(patch.borders),
+                    metric: LodMetric::Distance,
+                };
+                commands.spawn((place, chain, LevelEntity));
+            }
         }
     }
 

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use bevy::prelude::*;
+use bevy::{mesh::morph::MeshMorphWeights, prelude::*};
 
+use super::settings::{LodKind, LodShadows};
 use crate::maths::lod::{
     crossing::Shown,
     selection::{LodBorders, LodMetric},
@@ -29,6 +30,8 @@ pub struct LodChain {
 pub struct LodState {
     /// `None` before the first camera, and where Bevy's dither decides.
     pub(super) shown: Option<Shown>,
+    /// How that is drawn.
+    pub(super) drawn_as: Option<(LodKind, LodShadows)>,
     /// The eyes' way in metres up to which nothing can change.
     pub(super) rests_until: f64,
     /// Parts carry Bevy's visibility ranges, made when the levels were blended like this.
@@ -42,6 +45,13 @@ impl LodState {
         self.shown
     }
 }
+
+/// On a part whose mesh has where its vertices lie in the next coarser level as its first morph target, with the normals
+/// there: what [`LodKind::Geomorph`] needs of all levels but the last. The first weight is the chain's.
+#[derive(Component, Clone, Copy, Debug, Default, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+#[require(MeshMorphWeights = MeshMorphWeights::Value { weights: vec![0.0] })]
+pub struct LodMorph;
 
 /// On a part while it fades.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::settings::LodSettings;
+use super::{casters::product, settings::LodSettings};
 use crate::maths::lod::selection::{LodEye, LodMetric};
 
 /// On a 3D camera: how it looks at levels of detail. Cameras without it count as [`LodView::default`].
@@ -11,6 +11,8 @@ use crate::maths::lod::selection::{LodEye, LodMetric};
 pub struct LodView {
     /// Factor on distances of this view, beside the global one.
     pub bias: f32,
+    /// Factor on distances for shadows, beside that, `bias` and the chains' own.
+    pub shadow_bias: f32,
     /// Where distances are measured from, world space; `None`: from the camera.
     pub origin: Option<Vec3>,
     /// Whether this view has a say. Views from outside, maps and mirrors may do with what others see.
@@ -21,6 +23,7 @@ impl Default for LodView {
     fn default() -> Self {
         Self {
             bias: 1.0,
+            shadow_bias: 1.0,
             origin: None,
             decides: true,
         }
@@ -34,7 +37,11 @@ struct Eye {
     position: Vec3,
     /// Of the camera itself.
     camera_position: Vec3,
+    /// To the right in the camera's picture, world space.
+    right: Vec3,
     lens: LodEye,
+    /// Factor on distances for shadows.
+    shadow_bias: f64,
 }
 
 impl Eye {
@@ -63,12 +70,37 @@ impl LodEyes {
         self.eyes.is_empty()
     }
 
+    /// Where the cameras stand, also those whose eyes are elsewhere.
+    pub fn cameras(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.eyes.iter().map(|eye| eye.camera_position)
+    }
+
+    /// Whether a point lies in the right half of the first eye's picture.
+    pub(super) fn is_right(&self, point: Vec3) -> bool {
+        let first = self.eyes.first();
+        first.is_some_and(|eye| (point - eye.camera_position).dot(eye.right) > 0.0)
+    }
+
+    /// Whether a view has shadows of other levels than are seen.
+    pub(super) fn have_biased_shadows(&self) -> bool {
+        self.eyes.iter().any(|eye| eye.shadow_bias != 1.0)
+    }
+
     /// The smallest distance of a point from an eye, through its lens: what borders are compared with. Infinite without eyes.
     #[must_use]
     pub fn distance(&self, point: Vec3, metric: LodMetric) -> f64 {
+        self.least(point, |eye| eye.lens.factor(metric))
+    }
+
+    /// The same for shadows.
+    pub(super) fn shadow_distance(&self, point: Vec3, metric: LodMetric) -> f64 {
+        self.least(point, |eye| eye.lens.factor(metric) * eye.shadow_bias)
+    }
+
+    fn least(&self, point: Vec3, factor: impl Fn(&Eye) -> f64) -> f64 {
         let distances = self.eyes.iter().map(|eye| {
             let distance = f64::from(eye.position.distance(point));
-            distance * eye.lens.factor(metric)
+            distance * factor(eye)
         });
         distances.fold(f64::INFINITY, f64::min)
     }
@@ -76,6 +108,12 @@ impl LodEyes {
     /// The largest factor of a lens: by how much more than an eye a distance can change.
     pub(super) fn largest_factor(&self, metric: LodMetric) -> f64 {
         let factors = self.eyes.iter().map(|eye| eye.lens.factor(metric));
+        factors.fold(0.0, f64::max)
+    }
+
+    /// The same for shadows.
+    pub(super) fn largest_shadow_factor(&self, metric: LodMetric) -> f64 {
+        let factors = self.eyes.iter().map(|eye| eye.lens.factor(metric) * eye.shadow_bias);
         factors.fold(0.0, f64::max)
     }
 
@@ -102,7 +140,7 @@ impl LodEyes {
 
     /// The eyes of the next frame.
     fn update(&mut self, eyes: Vec<Eye>, teleport: f32) {
-        let kind = |eye: &Eye| (eye.camera, eye.lens, eye.is_elsewhere());
+        let kind = |eye: &Eye| (eye.camera, eye.lens, eye.shadow_bias, eye.is_elsewhere());
         let same = self.eyes.iter().map(kind).eq(eyes.iter().map(kind));
         let same_cameras = self
             .eyes
@@ -150,19 +188,21 @@ pub(super) fn update_eyes(
             _ => LodEye::default().half_view,
         };
         // Transforms are propagated later in the frame.
-        let own = if is_child {
-            global.translation()
+        let (own, right) = if is_child {
+            (global.translation(), *global.right())
         } else {
-            local.translation
+            (local.translation, *local.right())
         };
         found.push(Eye {
             camera,
             position: view.origin.unwrap_or(own),
             camera_position: own,
+            right,
             lens: LodEye {
                 half_view,
                 bias: f64::from(view.bias * settings.bias),
             },
+            shadow_bias: product([view.shadow_bias]),
         });
     }
     found.retain(|eye| eye.position.is_finite());
@@ -180,7 +220,9 @@ mod tests {
             camera: Entity::from_raw_u32(index).expect("an entity"),
             position: Vec3::X * x,
             camera_position: Vec3::ZERO,
+            right: Vec3::X,
             lens: LodEye { bias, ..default() },
+            shadow_bias: 1.0,
         }
     }
 
@@ -192,6 +234,29 @@ mod tests {
         assert_eq!(eyes.distance(Vec3::ZERO, LodMetric::Distance), 10.0);
         assert_eq!(eyes.largest_factor(LodMetric::Distance), 3.0);
         assert_eq!(eyes.camera_offset(Vec3::X * 12.0), Some(10.0));
+    }
+
+    #[test]
+    fn shadows_have_distances_of_their_own() {
+        let mut eyes = LodEyes::default();
+        let coarse = Eye {
+            shadow_bias: 4.0,
+            ..eye(1, 2.0, 1.0)
+        };
+        eyes.update(vec![coarse, eye(2, -3.0, 2.0)], 10.0);
+        assert!(eyes.have_biased_shadows());
+        assert_eq!(eyes.distance(Vec3::ZERO, LodMetric::Distance), 2.0);
+        assert_eq!(eyes.shadow_distance(Vec3::ZERO, LodMetric::Distance), 6.0);
+        assert_eq!(eyes.largest_shadow_factor(LodMetric::Distance), 4.0);
+    }
+
+    #[test]
+    fn pictures_have_a_right_half() {
+        let mut eyes = LodEyes::default();
+        assert!(!eyes.is_right(Vec3::X));
+        eyes.update(vec![eye(1, 10.0, 1.0)], 10.0);
+        assert!(eyes.is_right(Vec3::new(0.1, 0.0, -5.0)), "the camera is at the origin");
+        assert!(!eyes.is_right(Vec3::new(-0.1, 0.0, -5.0)));
     }
 
     #[test]

@@ -8,6 +8,7 @@ use bevy::{
 
 use super::{
     LodSystems,
+    casters::CastsFor,
     chain::{LodChain, LodState},
 };
 use crate::maths::lod::crossing::Shown;
@@ -55,7 +56,7 @@ fn is_enabled(store: Res<GizmoConfigStore>) -> bool {
 }
 
 fn draw(
-    chains: Query<(&LodState, &Transform, &GlobalTransform, Has<ChildOf>), With<LodChain>>,
+    chains: Query<(&LodState, &Transform, &GlobalTransform, Has<ChildOf>), (With<LodChain>, Without<CastsFor>)>,
     mut gizmos: Gizmos<LodGizmos>,
 ) {
     let height = gizmos.config_ext.height;

@@ -16,6 +16,7 @@
 
 use bevy::{asset::AssetEventSystems, prelude::*};
 
+pub mod casters;
 pub mod chain;
 pub mod eyes;
 pub mod gizmos;
@@ -40,7 +41,7 @@ pub enum LodSystems {
 /// What the chains did in the last frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LodCounts {
-    /// Chains there are.
+    /// Chains there are, without those that only cast shadows.
     pub chains: u32,
     /// Chains whose distance was compared with their borders.
     pub compared: u32,
@@ -54,6 +55,7 @@ impl Plugin for LodPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<settings::LodSettings>()
             .register_type::<settings::LodSettings>()
+            .register_type::<chain::LodMorph>()
             .init_resource::<eyes::LodEyes>()
             .init_resource::<LodCounts>()
             .configure_sets(
@@ -69,6 +71,6 @@ impl Plugin for LodPlugin {
                     select::select_levels.in_set(LodSystems::Select),
                 ),
             )
-            .add_plugins(gizmos::plugin);
+            .add_plugins((casters::plugin, gizmos::plugin));
     }
 }

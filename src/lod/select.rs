@@ -1,10 +1,11 @@
 //! Decides what every chain shows.
 
-use bevy::{camera::visibility::VisibilityRange, log::warn_once, prelude::*};
+use bevy::{camera::visibility::VisibilityRange, log::warn_once, mesh::morph::MeshMorphWeights, prelude::*};
 
 use super::{
     LodCounts,
-    chain::{LodChain, LodCoat, LodState},
+    casters::{CastsFor, LodShadowBias, product},
+    chain::{LodChain, LodCoat, LodMorph, LodState},
     eyes::LodEyes,
     settings::{LodDriver, LodKind, LodSettings, LodShadows, LodTransition},
 };
@@ -14,7 +15,17 @@ use crate::maths::lod::{
 };
 
 /// Parts as the system writes them.
-type Parts<'w, 's> = Query<'w, 's, (&'static mut Visibility, Option<&'static mut LodCoat>)>;
+type Parts<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static mut Visibility,
+        Option<&'static mut LodCoat>,
+        Option<&'static mut Mesh3d>,
+        Option<&'static mut MeshMorphWeights>,
+        Has<LodMorph>,
+    ),
+>;
 
 /// Brings all chains up to date.
 pub(super) fn select_levels(
@@ -29,6 +40,7 @@ pub(super) fn select_levels(
         Ref<Transform>,
         Ref<GlobalTransform>,
         Has<ChildOf>,
+        (Has<CastsFor>, Option<Ref<LodShadowBias>>),
         &mut LodState,
     )>,
     mut parts: Parts,
@@ -39,24 +51,45 @@ pub(super) fn select_levels(
         return;
     }
     let step_seconds = time.delta_secs_f64();
-    for (entity, chain, own_transition, local, global, is_child, mut state) in &mut chains {
-        counts.chains += 1;
+    for (entity, chain, own_transition, local, global, is_child, (only_casts, shadow_bias), mut state) in &mut chains {
+        counts.chains += u32::from(!only_casts);
         let is_crossing = matches!(state.shown, Some(Shown::Crossing(_)));
         let has_moved = local.is_changed() || (is_child && global.is_changed());
-        let is_touched = chain.is_changed() || own_transition.as_ref().is_some_and(Ref::is_changed);
-        if eyes.travelled() < state.rests_until && !is_crossing && !has_moved && !is_touched && !eyes.are_new() {
+        let is_touched = chain.is_changed()
+            || own_transition.as_ref().is_some_and(Ref::is_changed)
+            || shadow_bias.as_ref().is_some_and(Ref::is_changed);
+        let may_rest = !is_crossing && !has_moved && !is_touched && !eyes.are_new() && settings.right_half.is_none();
+        if eyes.travelled() < state.rests_until && may_rest {
             continue;
         }
         counts.compared += 1;
-        let transition = own_transition.map_or(settings.transition, |own| *own);
         let position = if is_child {
             global.translation()
         } else {
             local.translation
         };
+        let mut transition = match (own_transition, settings.right_half) {
+            (Some(own), _) => *own,
+            (None, Some(kind)) if eyes.is_right(position) => LodTransition {
+                kind,
+                ..settings.transition
+            },
+            (None, _) => settings.transition,
+        };
+        if transition.kind == LodKind::Geomorph && !corresponds(&chain, &parts) {
+            warn_once!("there are levels of detail whose meshes do not correspond: they fade instead of morphing");
+            transition.kind = LodKind::Unpopping;
+        }
+        let (distance, factor) = if only_casts {
+            let bias = product([settings.shadow_bias, shadow_bias.map_or(1.0, |bias| bias.0)]);
+            let distance = eyes.shadow_distance(position, chain.metric);
+            (distance * bias, eyes.largest_shadow_factor(chain.metric) * bias)
+        } else {
+            (eyes.distance(position, chain.metric), eyes.largest_factor(chain.metric))
+        };
         let view = View {
-            distance: eyes.distance(position, chain.metric),
-            factor: eyes.largest_factor(chain.metric),
+            distance,
+            factor,
             step_seconds: (!eyes.have_jumped()).then_some(step_seconds),
         };
         if transition.kind == LodKind::Dither {
@@ -65,6 +98,11 @@ pub(super) fn select_levels(
             let blend = chain.borders.blend_at(view.distance, band.into());
             let is_moved = offset.is_some() && state.dithered != Some(blend);
             if state.dithered.is_none() || is_touched || eyes.are_new() || is_moved {
+                if state.dithered.is_none() {
+                    for part in chain.levels.iter().flatten() {
+                        touch_mesh(&mut parts, *part);
+                    }
+                }
                 dither(
                     &mut commands,
                     &mut parts,
@@ -83,19 +121,17 @@ pub(super) fn select_levels(
         if state.dithered.take().is_some() {
             for part in chain.levels.iter().flatten() {
                 commands.entity(*part).try_remove::<VisibilityRange>();
+                touch_mesh(&mut parts, *part);
             }
-        }
-        if transition.kind == LodKind::Geomorph {
-            warn_once!(
-                "geomorphing needs meshes whose levels correspond, and no loaded file has them: switching at once"
-            );
         }
         let (shown, slack) = next(&chain, state.shown, transition, &settings, &view);
         state.rests_until = eyes.travelled() + slack;
         if let Shown::Crossing(crossing) = shown {
-            counts.crossings += 1;
+            counts.crossings += u32::from(!only_casts);
             let fading = |level: usize| chain.levels.get(level).map_or(0, Vec::len) as u32;
-            let [old, new] = coats(transition.kind.blend(), crossing.t);
+            // A morph is one level, and nothing fades.
+            let coats = (transition.kind != LodKind::Geomorph).then(|| coats(transition.kind.blend(), crossing.t));
+            let [old, new] = coats.unwrap_or([Coat::HIDDEN; 2]);
             for (coat, level) in [(old, crossing.from), (new, crossing.to)] {
                 counts.fading_parts += if coat.alpha > 0.0 && !coat.writes_depth {
                     fading(level)
@@ -104,7 +140,8 @@ pub(super) fn select_levels(
                 };
             }
         }
-        if state.shown != Some(shown) {
+        let drawn_as = Some((transition.kind, settings.shadows));
+        if state.shown != Some(shown) || state.drawn_as != drawn_as || chain.is_changed() {
             show(
                 &mut commands,
                 &mut parts,
@@ -114,8 +151,16 @@ pub(super) fn select_levels(
                 settings.shadows,
             );
             state.shown = Some(shown);
+            state.drawn_as = drawn_as;
         }
     }
+}
+
+/// Whether a chain can morph: all of its levels but the last know where their vertices lie in the next.
+fn corresponds(chain: &LodChain, parts: &Parts) -> bool {
+    let morphs = |part: &Entity| parts.get(*part).is_ok_and(|(.., morphs)| morphs);
+    let finer = chain.levels.split_last().map_or(&[][..], |(_, finer)| finer);
+    finer.iter().flatten().all(morphs)
 }
 
 /// How the eyes see a chain.
@@ -141,7 +186,7 @@ fn next(
         LodKind::Late => (view.distance / late, view.factor / late),
         _ => (view.distance, view.factor),
     };
-    let fades = matches!(transition.kind, LodKind::Plain | LodKind::Unpopping);
+    let fades = matches!(transition.kind, LodKind::Plain | LodKind::Unpopping | LodKind::Geomorph);
     if let (true, LodDriver::Distance { metres }) = (fades, transition.driver) {
         let (level, t) = chain.borders.blend_at(distance, metres.into());
         return match t {
@@ -173,7 +218,12 @@ fn next(
         }
         _ => 1.0,
     };
-    let mut shown = before.unwrap_or(Shown::Level(wanted)).advanced(wanted, step);
+    let next_wanted = match (transition.kind, before) {
+        // Levels correspond with their neighbours only.
+        (LodKind::Geomorph, Some(Shown::Level(level))) => wanted.clamp(level.saturating_sub(1), level + 1),
+        _ => wanted,
+    };
+    let mut shown = before.unwrap_or(Shown::Level(wanted)).advanced(next_wanted, step);
     if step >= 1.0 {
         shown = Shown::Level(wanted);
     }
@@ -194,8 +244,16 @@ fn show(
     shadows: LodShadows,
 ) {
     for (level, entities) in chain.levels.iter().enumerate() {
+        let mut morph = 0.0;
         let (coat, other) = match shown {
             Shown::Level(at) if at == level => (Coat::OPAQUE, level),
+            Shown::Crossing(crossing) if kind == LodKind::Geomorph => {
+                let is_finer = level == crossing.from.min(crossing.to);
+                if is_finer {
+                    morph = crossing.coarseness() as f32;
+                }
+                (if is_finer { Coat::OPAQUE } else { Coat::HIDDEN }, level)
+            }
             Shown::Crossing(crossing) => {
                 let [old, new] = coats(kind.blend(), crossing.t);
                 if level == crossing.from {
@@ -225,10 +283,17 @@ fn show(
             Visibility::Hidden
         };
         for part in entities {
-            let Ok((mut own_visibility, own_coat)) = parts.get_mut(*part) else {
+            let Ok((mut own_visibility, own_coat, _, weights, morphs)) = parts.get_mut(*part) else {
                 continue;
             };
             own_visibility.set_if_neq(visibility);
+            if let (Some(mut weights), true) = (weights, morphs)
+                && let MeshMorphWeights::Value { weights: known } = weights.bypass_change_detection()
+                && let Some(first) = known.first_mut().filter(|first| **first != morph)
+            {
+                *first = morph;
+                weights.set_changed();
+            }
             match (own_coat, wanted) {
                 (Some(mut own), Some(wanted)) => {
                     own.set_if_neq(wanted);
@@ -242,6 +307,14 @@ fn show(
                 (None, None) => {}
             }
         }
+    }
+}
+
+/// Marks a part's mesh as changed: Bevy chooses the shader, with dither or without, when a mesh or its material is new, but
+/// not when a [`VisibilityRange`] is.
+fn touch_mesh(parts: &mut Parts, part: Entity) {
+    if let Ok((_, _, Some(mut mesh), ..)) = parts.get_mut(part) {
+        mesh.set_changed();
     }
 }
 
@@ -266,7 +339,7 @@ fn dither(commands: &mut Commands, parts: &mut Parts, chain: &LodChain, [factor,
             use_aabb: false,
         };
         for part in entities {
-            if let Ok((mut visibility, _)) = parts.get_mut(*part) {
+            if let Ok((mut visibility, ..)) = parts.get_mut(*part) {
                 visibility.set_if_neq(Visibility::Inherited);
                 commands.entity(*part).remove::<LodCoat>().insert(visible.clone());
             }

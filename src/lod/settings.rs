@@ -13,6 +13,10 @@ pub struct LodSettings {
     /// Factor on every distance: above 1 coarser and cheaper, below 1 finer. Useful 0.5..=2; default 1, what the models'
     /// borders say.
     pub bias: f32,
+    /// Factor on every distance for shadows, beside that: above 1 they are those of coarser levels than are seen, below 1 of
+    /// finer ones. Useful 1..=3, as maps are coarser than pictures; default 1, where what is seen casts. Else chains cost
+    /// twice the entities ([`casters`](super::casters)).
+    pub shadow_bias: f32,
     /// How far within a border, as a share of its distance, a finer level comes back. Default 0.05: eyes that sway by less
     /// switch once.
     pub hysteresis: f32,
@@ -20,6 +24,13 @@ pub struct LodSettings {
     pub late_factor: f32,
     /// Which levels cast shadows during a crossing.
     pub shadows: LodShadows,
+    /// The kind in the right half of the first eye's picture, for two kinds side by side: objects are of the kind of the
+    /// half in which their origin lies, unless they have one of their own. Compares all chains in every frame. `None`:
+    /// the same kind everywhere.
+    pub right_half: Option<LodKind>,
+    /// How many fading objects may stand before each other and still be drawn with their nearest surface only, 1..=8. Default
+    /// 4. Each costs 15 bytes per pixel and a pass over what fades, from the first time on that so many do.
+    pub fading_layers: u32,
     /// An eye that moves farther than this between two frames has been put elsewhere, and nothing fades then. Metres,
     /// default 10: 600 m/s at 60 Hz.
     pub teleport: f32,
@@ -30,9 +41,12 @@ impl Default for LodSettings {
         Self {
             transition: LodTransition::default(),
             bias: 1.0,
+            shadow_bias: 1.0,
             hysteresis: 0.05,
             late_factor: 2.0,
             shadows: LodShadows::default(),
+            right_half: None,
+            fading_layers: 4,
             teleport: 10.0,
         }
     }
@@ -60,8 +74,9 @@ pub enum LodKind {
     /// Bevy's [`VisibilityRange`](bevy::camera::visibility::VisibilityRange): ordered dither with 16 levels, always driven by
     /// distance.
     Dither,
-    /// Vertices that move from one level to the next. Needs meshes with correspondence, which no file format that is read
-    /// here carries: switches at once, with a warning.
+    /// Vertices that move to where they lie in the next coarser level. Needs chains whose parts have
+    /// [`LodMorph`](super::chain::LodMorph); others take [`Unpopping`](Self::Unpopping) instead, with a warning. Parts may
+    /// have any material.
     Geomorph,
     /// One level opaque at all times, the other faded over it.
     #[default]

@@ -46,6 +46,7 @@ pub mod light_plane;
 pub mod mask;
 mod overlay_pass;
 mod read_back;
+mod receivers;
 #[cfg(feature = "demo")]
 pub mod reference;
 mod shaders;

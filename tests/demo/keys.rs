@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use umbrage::{
     demo::{input::ROWS, outside::Outside, walker::Mode},
+    lod::settings::{LodKind, LodSettings},
     shadow::{
         settings::ShadowPath,
         technique::{StockBias, Technique},
@@ -255,4 +256,33 @@ fn l_gives_the_mouse_to_the_sun() {
         game.sun()
     );
     assert_eq!(game.walker(), walker, "the view stands still");
+}
+
+#[test]
+fn v_and_shift_v_choose_levels_of_detail_for_both_halves() {
+    let mut game = Game::playing();
+    game.0.init_resource::<LodSettings>();
+    let kinds = |game: &Game| {
+        let settings = game.0.world().resource::<LodSettings>();
+        (settings.transition.kind, settings.right_half)
+    };
+    let dividers = |game: &mut Game| {
+        let world = game.0.world_mut();
+        let mut names = world.query::<&Name>();
+        names.iter(world).filter(|name| name.as_str() == "divider").count()
+    };
+    game.shift_tap(KeyCode::KeyV);
+    game.frames(2);
+    assert_eq!(kinds(&game), (LodKind::Unpopping, Some(LodKind::Hard)));
+    assert_eq!(dividers(&mut game), 1);
+    assert_eq!(game.hud().notice, "levels of detail: left unpopping, right hard");
+    game.tap(KeyCode::KeyV);
+    game.shift_tap(KeyCode::KeyV);
+    assert_eq!(kinds(&game), (LodKind::Hard, Some(LodKind::Late)));
+    for _ in 0..4 {
+        game.shift_tap(KeyCode::KeyV);
+    }
+    game.frames(2);
+    assert_eq!(kinds(&game), (LodKind::Hard, None), "all kinds came round");
+    assert_eq!(dividers(&mut game), 0);
 }

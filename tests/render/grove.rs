@@ -44,9 +44,10 @@ fn stage(count: u32) -> Harness {
         ..default()
     });
     let land = Land::new(Vec2::splat(2.0 * edge + 20.0), None, 1);
-    for tile in land.tiles() {
-        let mesh = harness.mesh(to_mesh(tile));
-        let ground = (Mesh3d(mesh), MeshMaterial3d(material.clone()));
+    for mut patch in land.patches() {
+        let mesh = harness.mesh(to_mesh(patch.levels.remove(0).mesh));
+        let place = Transform::from_translation(patch.origin);
+        let ground = (Mesh3d(mesh), MeshMaterial3d(material.clone()), place);
         harness.app.world_mut().spawn(ground);
     }
     let grove = Grove::new(count, 5.0, 1, land);

@@ -155,6 +155,8 @@ fn shot_at(scene: &LoadedScene, path: &CameraPath, seconds: f32, args: &Pop) -> 
 fn set_transition(app: &mut App, kind: LodKind, speed: f32, args: &Pop) {
     let mut settings = app.world_mut().resource_mut::<LodSettings>();
     settings.shadows = args.shadows;
+    settings.shadow_bias = args.shadow_bias;
+    settings.fading_layers = args.layers;
     // Bevy's dither has none, and all kinds are to change at the same borders.
     settings.hysteresis = 0.0;
     settings.transition = LodTransition {

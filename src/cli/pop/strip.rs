@@ -11,9 +11,9 @@ use crate::{
 /// Frames of a strip after the one before the largest pop.
 const OFFSETS: [usize; 7] = [0, 1, 4, 8, 12, 18, 26];
 /// Pixels of a picture of the strip, at most.
-const CROP: UVec2 = UVec2::new(120, 90);
+const CROP: UVec2 = UVec2::new(64, 48);
 /// Times that it is enlarged.
-const SCALE: u32 = 2;
+const SCALE: u32 = 3;
 
 /// The pictures of one kind at one place.
 pub(super) struct Watched {

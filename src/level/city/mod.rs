@@ -143,8 +143,8 @@ pub fn generate(level: &Level, city: &City) -> Scenery {
     Scenery {
         statics,
         placements,
-        grove: None,
         ground: Ground::new(Surface::Flat(0.0), steps, blockers).within(level.terrain.size),
+        ..Scenery::default()
     }
 }
 

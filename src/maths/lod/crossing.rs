@@ -12,6 +12,12 @@ pub struct Crossing {
 }
 
 impl Crossing {
+    /// How far it is from the finer of its levels to the coarser one, 0..1: the weight of vertices that move between them.
+    #[must_use]
+    pub fn coarseness(self) -> f64 {
+        if self.from < self.to { self.t } else { 1.0 - self.t }
+    }
+
     /// The same moment seen from the other end. Unpopping draws both alike, except at t = ½ exactly, where the roles
     /// change.
     #[must_use]

@@ -1,8 +1,8 @@
 //! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result; where levels of
-//! detail fade, another one does the same for their nearest surfaces, and one for the nearest transparent ones.
+//! detail fade, one per layer does the same for their nearest surfaces, and one for the nearest transparent ones.
 
 use bevy::{
-    core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures, schedule::Core3d},
+    core_pipeline::{FullscreenShader, schedule::Core3d},
     prelude::*,
     render::{
         Render, RenderApp, RenderStartup, RenderSystems,
@@ -15,19 +15,17 @@ use bevy::{
             binding_types::{storage_buffer_read_only, texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
-        texture::FallbackImage,
         view::{ViewUniform, ViewUniformOffset, ViewUniforms},
     },
 };
 
 use super::{
     SunShadowPasses,
-    atlas::{RESULT_FORMAT, ShadowAtlas, ShadowResult},
+    atlas::{RESULT_FORMAT, ShadowAtlas},
     extract::ExtractedSun,
     gpu_types::{ApplyParameters, GpuLightView, MAX_LIGHT_VIEWS},
+    receivers::{Receiver, receivers},
     shaders,
-    transparent::TransparentLayer,
-    unpop::surfaces::FadingSurfaces,
 };
 use crate::shadow::{
     settings::{Faces, PartitionSelection, SeamWidth, ShadowBias, ShadowFilter},
@@ -190,41 +188,32 @@ fn prepare_parameters(
 }
 
 fn apply_views(
+    world: &World,
     view: ViewQuery<(
         &ExtractedCamera,
         &ShadowAtlas,
-        &ShadowResult,
         &ApplyBuffer,
-        &ViewPrepassTextures,
         &ViewUniformOffset,
         &ExtractedSun,
-        Option<&FadingSurfaces>,
-        Option<&TransparentLayer>,
     )>,
     pipeline: Res<ApplyPipeline>,
     cache: Res<PipelineCache>,
-    (view_uniforms, fallback): (Res<ViewUniforms>, Res<FallbackImage>),
+    view_uniforms: Res<ViewUniforms>,
     mut ctx: RenderContext,
 ) {
-    let (camera, atlas, result, buffer, prepass, view_offset, sun, fading, transparent) = view.into_inner();
+    let view_entity = view.entity();
+    let (camera, atlas, buffer, view_offset, sun) = view.into_inner();
     if sun.settings.maps.is_virtual() {
         return;
     }
-    let (Some(render_pipeline), Some(depth), Some(view_binding), Some(parameters)) = (
+    let (Some(render_pipeline), Some(view_binding), Some(parameters)) = (
         cache.get_render_pipeline(pipeline.id),
-        prepass.depth_view(),
         view_uniforms.uniforms.binding(),
         buffer.0.binding(),
     ) else {
         return;
     };
-    // White is no normal.
-    let normals = prepass.normal_view().unwrap_or(&fallback.d2.texture_view);
-    let opaque = (depth, normals, &result.view);
-    let fading = fading.filter(|fading| fading.is_current);
-    let fading = fading.map(|fading| (&fading.depth, &fading.normal, &fading.result));
-    let transparent = transparent.map(|layer| (&layer.depth.1, &fallback.d2.texture_view, &layer.result.1));
-    for (depth, normals, target) in [Some(opaque), fading, transparent].into_iter().flatten() {
+    for Receiver { depth, normals, result } in receivers(world, view_entity) {
         let bind_group = ctx.render_device().create_bind_group(
             "umbrage_apply_views",
             &cache.get_bind_group_layout(&pipeline.layout),
@@ -241,7 +230,7 @@ fn apply_views(
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("umbrage_apply_views"),
             color_attachments: &[Some(RenderPassColorAttachment {
-                view: target,
+                view: result,
                 depth_slice: None,
                 resolve_target: None,
                 ops: Operations {

@@ -189,7 +189,7 @@ fn resize(commands: &mut Commands, entities: &mut Vec<Entity>, count: usize) {
 }
 
 /// Leaves out the fallback map where the camera draws nothing that reads it: no transparent and no transmissive surface.
-/// Fading levels of detail have a shadow result of their own, but under virtual maps.
+/// Fading levels of detail have a shadow result of their own.
 pub fn skip_idle_fallback(
     mut commands: Commands,
     cameras: Query<(&ExtractedView, &CasterViews, Option<&FadingSurfaces>)>,
@@ -198,7 +198,7 @@ pub fn skip_idle_fallback(
     fading: FadingItems,
 ) {
     for (view, views, surfaces) in &cameras {
-        let have_result = surfaces.is_some_and(|surfaces| surfaces.is_current && surfaces.has_result);
+        let have_result = surfaces.is_some_and(|surfaces| surfaces.is_current);
         let key = view.retained_view_entity;
         let has_transparent = transparent
             .get(&key)

@@ -19,6 +19,7 @@ use super::{
     mesh::{AlphaMask, TruthMesh},
     scene::{TruthInstance, TruthScene},
 };
+use crate::lod::casters::{ShadowOnly, Silenced};
 
 /// What rays cannot be sent through.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -43,7 +44,8 @@ const BLEND_CUTOFF: f32 = 0.05;
 /// triangle and those that are still being loaded are left out.
 ///
 /// With a camera, levels of detail ([`VisibilityRange`]) are those that its last frame drew, and what is on other
-/// [`RenderLayers`] is left out; without one, all levels count at once.
+/// [`RenderLayers`] is left out; without one, all levels count at once. Shadows are those of what is seen, also where
+/// [another level](crate::lod::casters) casts them.
 ///
 /// # Errors
 /// Something that is drawn cannot be read.
@@ -55,7 +57,7 @@ pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthSce
         &InheritedVisibility,
         Option<&MeshMaterial3d<StandardMaterial>>,
         Option<&SkinnedMesh>,
-        Has<NotShadowCaster>,
+        (Has<NotShadowCaster>, Has<Silenced>, Has<ShadowOnly>),
         Has<VisibilityRange>,
         Option<&RenderLayers>,
     )>();
@@ -77,11 +79,12 @@ pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthSce
     let mut known_meshes: HashMap<AssetId<Mesh>, Option<Arc<TruthMesh>>> = HashMap::new();
     let mut known_masks: HashMap<AssetId<StandardMaterial>, Option<Arc<AlphaMask>>> = HashMap::new();
     let mut instances = Vec::new();
-    for (entity, handle, transform, visibility, material, skin, does_not_cast, has_range, layers) in drawn.iter(world) {
+    for (entity, handle, transform, visibility, material, skin, casting, has_range, layers) in drawn.iter(world) {
         let Some(mesh) = meshes.and_then(|meshes| meshes.get(&handle.0)) else {
             continue;
         };
-        if !visibility.get() || !is_drawn(entity, has_range, layers) {
+        let (does_not_cast, is_silenced, only_casts) = casting;
+        if !visibility.get() || only_casts || !is_drawn(entity, has_range, layers) {
             continue;
         }
         let pose = skin.and_then(|skin| joints_of(world, skin));
@@ -119,7 +122,7 @@ pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthSce
             },
             alpha,
             double_sided: asset.is_some_and(|(_, material)| material.cull_mode.is_none()),
-            casts: !does_not_cast,
+            casts: !does_not_cast || is_silenced,
         });
     }
     Ok(TruthScene::new(instances))

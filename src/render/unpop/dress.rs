@@ -3,6 +3,7 @@
 use bevy::{mesh::MeshTag, platform::collections::HashMap, prelude::*};
 
 use super::{
+    layers::FadingLayers,
     material::{Fading, FadingMaterial},
     tag::tag,
 };
@@ -79,6 +80,7 @@ pub(super) fn dress_parts(
         Changed<LodCoat>,
     >,
     materials: Res<Assets<StandardMaterial>>,
+    layers: Res<FadingLayers>,
     mut known: ResMut<FadingMaterials>,
     mut fading: ResMut<Assets<FadingMaterial>>,
 ) {
@@ -95,7 +97,7 @@ pub(super) fn dress_parts(
         let Some(wanted) = known.of(base, coat.wins_ties, &materials, &mut fading) else {
             continue;
         };
-        let wanted_tag = tag(coat);
+        let wanted_tag = tag(coat, layers.of(coat));
         match (own, dressed, own_tag) {
             (None, Some(mut dressed), Some(mut own_tag)) => {
                 dressed.set_if_neq(MeshMaterial3d(wanted));

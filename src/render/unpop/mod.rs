@@ -5,7 +5,8 @@
 //! main world  LodCoat ──► fading material, shared per base material; alpha, shadow and level in the mesh tag     dress
 //! queue       Bevy queues fading parts as transparent things; they get a draw function with one more group        draw
 //! Core3d      depth prepass: opaque levels
-//!             └─► nearest: depth, normal and level of the nearest fading surface of every pixel                  nearest
+//!             └─► nearest: depth, normal and level of the nearest fading surface of every pixel,
+//!                 in layers of objects that may stand before each other                               layers, nearest
 //!             └─► casters: fading levels through as many texels as they are opaque                     shaders/unpop/cast
 //!             └─► apply: shadow results of opaque surfaces, and of the nearest fading ones                      apply
 //!             opaque levels, sky
@@ -18,6 +19,7 @@
 
 pub mod draw;
 mod dress;
+pub mod layers;
 pub mod material;
 pub mod nearest;
 pub mod surfaces;
@@ -31,7 +33,10 @@ use bevy::{
     },
     log::warn,
     prelude::*,
-    render::{Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand, renderer::RenderDevice},
+    render::{
+        ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand,
+        renderer::RenderDevice,
+    },
 };
 
 use super::SunShadowPasses;
@@ -46,7 +51,8 @@ const GROUPS: u32 = 5;
 
 impl Plugin for UnpopPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<dress::FadingMaterials>();
+        app.init_resource::<dress::FadingMaterials>()
+            .init_resource::<layers::FadingLayers>();
         if app.get_sub_app(RenderApp).is_none() {
             return;
         }
@@ -54,8 +60,13 @@ impl Plugin for UnpopPlugin {
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
             render_app
                 .init_resource::<nearest::NearestPipelines>()
+                .init_resource::<layers::ExtractedLayers>()
                 .add_render_command::<Transparent3d, draw::DrawFading>()
-                .add_systems(RenderStartup, surfaces::init_no_surfaces)
+                .add_systems(ExtractSchedule, layers::extract_layers)
+                .add_systems(
+                    RenderStartup,
+                    (surfaces::init_no_surfaces, layers::init_layer_bind_groups),
+                )
                 .add_systems(
                     Render,
                     (
@@ -89,7 +100,12 @@ impl Plugin for UnpopPlugin {
         }
         app.add_systems(
             PostUpdate,
-            (dress::follow_base_materials, dress::undress_parts, dress::dress_parts)
+            (
+                dress::follow_base_materials,
+                dress::undress_parts,
+                layers::choose_layers,
+                dress::dress_parts,
+            )
                 .chain()
                 .in_set(LodSystems::Dress)
                 .before(AssetEventSystems),

@@ -1,12 +1,15 @@
-//! The pass that finds the nearest fading surface of every pixel, before the scene is drawn.
+//! The pass that finds the nearest fading surfaces of every pixel, one per layer, before the scene is drawn.
 //!
 //! Why: blended layers end as the last one drawn, not as the nearest. A level with several layers (leaves, hollows) would
 //! change at once when it becomes opaque. And shadows of fading surfaces come from here: the depth prepass holds the opaque
 //! level's. The depth buffer of the scene stays untouched, as the states of Unpopping ask for.
 //!
-//! Limits: where fading objects overlap, the nearest one has all of this; of those behind, all layers are blended, and their
-//! shadows are those of opaque surfaces nearby. Virtual maps are not applied to fading surfaces: they take the shadow of
-//! opaque surfaces nearby, else of the fallback map. Their result has neither blur nor history.
+//! Fading objects that may cover the same pixel are found in layers of their own ([`layers`](super::layers)), a pass each.
+//!
+//! Limits: where more of them stand before each other than there are layers
+//! ([`fading_layers`](crate::lod::settings::LodSettings::fading_layers)), the nearest one of a layer has all of this; of those
+//! behind, all surfaces are blended, and their shadows are those of opaque surfaces nearby. Their result has neither blur nor
+//! history.
 
 use bevy::{
     core_pipeline::{core_3d::Transparent3d, prepass::NORMAL_PREPASS_FORMAT},
@@ -29,6 +32,7 @@ use bevy::{
 
 use super::{
     draw::FadingItems,
+    layers::{self, ExtractedLayers, LayerBindGroups},
     surfaces::{DEPTH_FORMAT, FadingSurfaces, LEVEL_FORMAT},
 };
 
@@ -63,8 +67,9 @@ pub(super) fn build_pipelines(
 fn nearest(fading: &RenderPipelineDescriptor) -> RenderPipelineDescriptor {
     let mut descriptor = fading.clone();
     descriptor.label = Some("umbrage_nearest_fading".into());
-    // Bevy's draw function binds no more than its own groups.
+    // Bevy's draw function binds its own groups only; the pass binds the last one.
     descriptor.layout.truncate(4);
+    descriptor.layout.push(layers::bind_group_layout());
     if let Some(depth) = &mut descriptor.depth_stencil {
         depth.format = DEPTH_FORMAT;
         depth.depth_write_enabled = Some(true);
@@ -86,13 +91,14 @@ fn nearest(fading: &RenderPipelineDescriptor) -> RenderPipelineDescriptor {
     descriptor
 }
 
-/// Draws the nearest fading surfaces of the current camera.
+/// Draws the nearest fading surfaces of the current camera, layer by layer.
 pub(super) fn draw_nearest(
     world: &World,
     view: ViewQuery<(&ExtractedView, &ExtractedCamera, &FadingSurfaces)>,
     phases: Res<ViewSortedRenderPhases<Transparent3d>>,
     functions: Res<DrawFunctions<Transparent3d>>,
     (items, variants): (FadingItems, Res<NearestPipelines>),
+    (in_use, bind_groups): (Res<ExtractedLayers>, Res<LayerBindGroups>),
     mut ctx: RenderContext,
 ) {
     let view_entity = view.entity();
@@ -103,57 +109,67 @@ pub(super) fn draw_nearest(
     let (Some(fading), Some(bevys)) = (items.function(), functions.read().get_id::<DrawMaterial>()) else {
         return;
     };
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("umbrage_draw_nearest_fading"),
-        color_attachments: &[cleared(&surfaces.normal), cleared(&surfaces.level)],
-        depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-            view: &surfaces.depth,
-            depth_ops: Some(Operations {
-                load: LoadOp::Clear(0.0),
-                store: StoreOp::Store,
-            }),
-            stencil_ops: None,
-        }),
-        timestamp_writes: None,
-        occlusion_query_set: None,
-        multiview_mask: None,
-    });
-    let span = diagnostics.pass_span(&mut pass, "umbrage_draw_nearest_fading");
-    if let Some(viewport) = &camera.viewport {
-        pass.set_camera_viewport(viewport);
-    }
     let mut functions = functions.write();
     functions.prepare(world);
-    // The same batches as in the transparent pass: an item stands for as many as its range holds.
-    let mut index = 0;
-    while let Some((_, item)) = phase.items.get_index(index) {
-        index += item.batch_range().len().max(1);
-        let (false, true, Some(pipeline)) = (
-            item.batch_range().is_empty(),
-            item.draw_function == fading,
-            variants.0.get(&item.pipeline),
-        ) else {
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    for (layer, depth) in surfaces.depth.each.iter().enumerate() {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("umbrage_draw_nearest_fading"),
+            color_attachments: &[
+                cleared(&surfaces.normal.each[layer]),
+                cleared(&surfaces.level.each[layer]),
+            ],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(Operations {
+                    load: LoadOp::Clear(0.0),
+                    store: StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        // What is not in use is left empty.
+        let (true, Some(bind_group)) = (layer < in_use.0 as usize, bind_groups.0.get(layer)) else {
             continue;
         };
-        let nearest = Transparent3d {
-            sorting_info: item.sorting_info,
-            distance: item.distance,
-            pipeline: *pipeline,
-            entity: item.entity,
-            draw_function: bevys,
-            batch_range: item.batch_range.clone(),
-            extra_index: item.extra_index.clone(),
-            indexed: item.indexed,
-        };
-        if let Some(draw) = functions.get_mut(bevys)
-            && let Err(error) = draw.draw(world, &mut pass, view_entity, &nearest)
-        {
-            error!("a fading part could not be drawn: {error}");
+        let span = diagnostics.pass_span(&mut pass, "umbrage_draw_nearest_fading");
+        if let Some(viewport) = &camera.viewport {
+            pass.set_camera_viewport(viewport);
         }
+        pass.set_bind_group(4, bind_group, &[]);
+        // The same batches as in the transparent pass: an item stands for as many as its range holds.
+        let mut index = 0;
+        while let Some((_, item)) = phase.items.get_index(index) {
+            index += item.batch_range().len().max(1);
+            let (false, true, Some(pipeline)) = (
+                item.batch_range().is_empty(),
+                item.draw_function == fading,
+                variants.0.get(&item.pipeline),
+            ) else {
+                continue;
+            };
+            let nearest = Transparent3d {
+                sorting_info: item.sorting_info,
+                distance: item.distance,
+                pipeline: *pipeline,
+                entity: item.entity,
+                draw_function: bevys,
+                batch_range: item.batch_range.clone(),
+                extra_index: item.extra_index.clone(),
+                indexed: item.indexed,
+            };
+            if let Some(draw) = functions.get_mut(bevys)
+                && let Err(error) = draw.draw(world, &mut pass, view_entity, &nearest)
+            {
+                error!("a fading part could not be drawn: {error}");
+            }
+        }
+        span.end(&mut pass);
     }
-    span.end(&mut pass);
 }
 
 fn cleared(view: &TextureView) -> Option<RenderPassColorAttachment<'_>> {

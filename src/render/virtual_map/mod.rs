@@ -22,14 +22,13 @@
 //!   and the number of textures change no bit.
 //!
 //! # Limits
-//! Surfaces that the depth prepass does not hold read Bevy's fallback map, but the nearest transparent ones where they have
-//! a [layer](super::transparent). `store=second|midpoint` needs two atlases and is
+//! Surfaces that the depth prepass does not hold read Bevy's fallback map, but fading levels of detail, and the nearest
+//! transparent ones where they have a [layer](super::transparent). `store=second|midpoint` needs two atlases and is
 //! not drawn. Filters wider than the margins ([`tiles::margin`]) are cut at borders of tiles.
 
 pub mod fitted;
 pub mod overlay;
 pub mod queried;
-mod receivers;
 pub mod record;
 pub mod report;
 pub mod textures;
@@ -55,7 +54,6 @@ use bevy::{
 };
 
 use self::{
-    receivers::receivers,
     record::{Counting, TileList, record_tiles},
     report::{DrawnTile, VirtualMapReport, VirtualMapReports},
     textures::TileTextures,
@@ -68,6 +66,7 @@ use super::{
     extract::ExtractedSun,
     gpu_types::GpuTileReport,
     read_back::{ReadBack, submit_now},
+    receivers::receivers,
 };
 use crate::{
     maths::virtual_map::{picture::PixelRect, queried::TileReport},

@@ -27,12 +27,7 @@ use bevy::{
     },
 };
 
-use super::{
-    TileSchedule,
-    receivers::{Receiver, receivers},
-    textures::TileTextures,
-    tiles::TileDraw,
-};
+use super::{TileSchedule, textures::TileTextures, tiles::TileDraw};
 use crate::render::{
     apply::ApplyBuffer,
     atlas::{ATLAS_FORMAT, RESULT_FORMAT, ShadowResult},
@@ -44,6 +39,7 @@ use crate::render::{
     },
     extract::ExtractedSun,
     gpu_types::{ApplyParameters, GpuShadowTile},
+    receivers::{Receiver, receivers},
     shaders,
 };
 

@@ -3,4 +3,5 @@
 mod blend;
 mod cells;
 mod energy;
+mod layers;
 mod selection;

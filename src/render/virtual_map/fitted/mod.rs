@@ -40,7 +40,6 @@ use self::{
 };
 use super::{
     TileFrame,
-    receivers::receivers,
     tiles::{TileDraw, margin},
 };
 use crate::{
@@ -49,6 +48,7 @@ use crate::{
         caster::prepare::prepare_caster_views,
         extract::ExtractedSun,
         read_back::{ReadBack, submit_now},
+        receivers::receivers,
     },
     shadow::{
         fitted::{FittedMaps, NeedFeedback},

@@ -6,11 +6,9 @@ use bevy::{
     asset::RenderAssetUsages,
     core_pipeline::{
         core_3d::Transparent3d,
-        prepass::DeferredPrepass,
         tonemapping::{DebandDither, Tonemapping},
     },
     mesh::{Indices, PrimitiveTopology},
-    pbr::DefaultOpaqueRendererMethod,
     prelude::*,
     render::{RenderApp, render_phase::ViewSortedRenderPhases},
 };
@@ -23,7 +21,7 @@ use umbrage::{
     maths::lod::{
         blend::{BlendKind, Layer, Pixel, blended},
         crossing::Shown,
-        energy::{linear_light, picture_energy},
+        energy::linear_light,
         selection::{LodBorders, LodMetric},
     },
     prelude::*,
@@ -31,6 +29,9 @@ use umbrage::{
 };
 
 use crate::harness::{Harness, WARM_UP};
+
+mod crowns;
+mod kinds;
 
 const SIZE: UVec2 = UVec2::new(96, 54);
 const BORDER: f64 = 10.0;
@@ -390,133 +391,6 @@ fn fading_objects_share_their_draw() {
     picture_at(&mut harness, 0.3);
     assert_eq!(draws(&harness), [20]);
     assert_eq!(harness.app.world().resource::<LodCounts>().fading_parts, 20);
-}
-
-/// Crowns of cards under a sun: solid things with many layers, shadows on themselves and on the ground.
-fn grove(harness: &mut Harness) {
-    let leaves = |seed: u32, count: u32, side: f32| {
-        let mut state = seed;
-        let mut next = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0
-        };
-        let mut mesh: Option<Mesh> = None;
-        for _ in 0..count {
-            let middle = Vec3::new(next(), next(), next()) * 0.9;
-            let turn = Quat::from_euler(EulerRot::XYZ, 3.0 * next(), 3.0 * next(), 0.0);
-            let card =
-                cards(&[(side, side, 0.0)]).transformed_by(Transform::from_translation(middle).with_rotation(turn));
-            match &mut mesh {
-                None => mesh = Some(card),
-                Some(mesh) => mesh.merge(&card).expect("meshes of one kind"),
-            }
-        }
-        mesh.expect("leaves")
-    };
-    let material = |harness: &mut Harness, color: Color| {
-        harness.material(StandardMaterial {
-            base_color: color,
-            cull_mode: None,
-            double_sided: true,
-            perceptual_roughness: 1.0,
-            ..default()
-        })
-    };
-    let (green, olive) = (
-        material(harness, Color::srgb(0.2, 0.55, 0.15)),
-        material(harness, Color::srgb(0.4, 0.5, 0.2)),
-    );
-    let (fine, coarse) = (harness.mesh(leaves(1, 160, 0.14)), harness.mesh(leaves(2, 40, 0.28)));
-    for x in [-1.6, 0.3, 2.1] {
-        chain(
-            harness,
-            Transform::from_xyz(x, 0.1, 0.0),
-            &[(&fine, &green), (&coarse, &olive)],
-        );
-    }
-    let ground = harness.mesh(Plane3d::default().mesh().size(30.0, 30.0));
-    let gray = material(harness, Color::srgb(0.5, 0.5, 0.5));
-    let place = Transform::from_xyz(0.0, -1.2, 0.0);
-    harness
-        .app
-        .world_mut()
-        .spawn((Mesh3d(ground), MeshMaterial3d(gray), place));
-    harness.sun(
-        Vec3::new(-0.5, -0.8, -0.4),
-        match "zp2+lispsm:size=512".parse() {
-            Ok(Technique::Umbrage(settings)) => settings,
-            other => panic!("no technique of Umbrage: {other:?}"),
-        },
-    );
-}
-
-/// Shares of pixels that differ by more than so many codes.
-fn share_beyond(a: &[u8], b: &[u8], codes: u8) -> f64 {
-    let pixels = a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0);
-    let far = pixels
-        .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > codes))
-        .count();
-    far as f64 / (a.len() / 4) as f64
-}
-
-/// Lit and shadowed, forward and deferred, the fading level just before it becomes opaque looks like the opaque one just
-/// after: its shadow lookups are its own.
-#[test]
-fn fading_levels_are_lit_and_shadowed_like_opaque_ones() {
-    for deferred in [false, true] {
-        let mut harness = stage();
-        if deferred {
-            harness.app.insert_resource(DefaultOpaqueRendererMethod::deferred());
-            let camera = harness.camera;
-            harness.app.world_mut().entity_mut(camera).insert(DeferredPrepass);
-        }
-        grove(&mut harness);
-        harness.start();
-        let (start, end) = (picture_at(&mut harness, 0.0), picture_at(&mut harness, 1.0));
-        let before = picture_at(&mut harness, 0.4995);
-        let after = picture_at(&mut harness, 0.5);
-        let (pop, jump) = (picture_energy(&start, &end), picture_energy(&before, &after));
-        println!(
-            "deferred {deferred}: jump {:.4} of a pop, {:.4} of pixels by more than 8 codes",
-            jump / pop,
-            share_beyond(&before, &after, 8)
-        );
-        assert!(pop > 1.0, "the levels differ: {pop}");
-        // Fading crowns before each other, and rounding at the edges of leaves.
-        assert!(jump < 0.005 * pop, "{jump} of {pop}");
-    }
-}
-
-/// Peak energies of all kinds over one crossing of 24 frames, in parts of the pop of switching at once.
-#[test]
-fn unpopping_is_seen_less_than_its_rivals() {
-    let frames = 24;
-    let mut peaks = Vec::new();
-    for kind in [LodKind::Hard, LodKind::Dither, LodKind::Plain, LodKind::Unpopping] {
-        let mut harness = stage();
-        grove(&mut harness);
-        harness.app.world_mut().resource_mut::<LodSettings>().transition.kind = kind;
-        set_share(&mut harness, -0.1);
-        harness.start();
-        let mut last = picture(&harness);
-        let mut peak = 0.0_f64;
-        for frame in 0..=frames + 2 {
-            set_share(&mut harness, f64::from(frame) / f64::from(frames));
-            harness.frames(1);
-            let next = picture(&harness);
-            peak = peak.max(picture_energy(&last, &next));
-            last = next;
-        }
-        peaks.push((kind, peak));
-    }
-    let hard = peaks[0].1;
-    for (kind, peak) in &peaks {
-        println!("{kind:?}: {:.4} of hard", peak / hard);
-    }
-    let (dither, unpopping) = (peaks[1].1, peaks[3].1);
-    assert!(hard > 1.0, "a pop is seen: {hard}");
-    assert!(unpopping <= 0.02 * hard, "{unpopping} of {hard}");
-    assert!(unpopping <= 0.5 * dither, "{unpopping}, dithering {dither}");
 }
 
 /// What stands beside a crossing keeps its shadows, bit by bit.

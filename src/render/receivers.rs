@@ -1,4 +1,4 @@
-//! [`Receiver`]: pictures of surfaces that tiles are applied to.
+//! [`Receiver`]: pictures of surfaces that shadow results are made for.
 
 use bevy::{
     core_pipeline::prepass::ViewPrepassTextures,
@@ -6,7 +6,11 @@ use bevy::{
     render::{render_resource::TextureView, texture::FallbackImage},
 };
 
-use crate::render::{atlas::ShadowResult, transparent::TransparentLayer};
+use super::{
+    atlas::ShadowResult,
+    transparent::TransparentLayer,
+    unpop::{layers::ExtractedLayers, surfaces::FadingSurfaces},
+};
 
 /// A picture of surfaces and the shadow result of theirs, all of the size of the camera's target.
 #[derive(Clone, Copy)]
@@ -19,10 +23,10 @@ pub(super) struct Receiver<'a> {
     pub(super) result: &'a TextureView,
 }
 
-/// The pictures of a camera: that of the depth prepass first, then those of surfaces that it does not hold. Empty while
-/// something is missing.
+/// The pictures of a camera in this frame: that of the depth prepass first, then the nearest fading levels of detail by
+/// layer, then the nearest transparent surfaces. Empty while something is missing.
 pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
-    let opaque = || {
+    let all = || {
         let prepass = world.get::<ViewPrepassTextures>(camera)?;
         // White is no normal.
         let no_normals = &world.get_resource::<FallbackImage>()?.d2.texture_view;
@@ -31,12 +35,23 @@ pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
             normals: prepass.normal_view().unwrap_or(no_normals),
             result: &world.get::<ShadowResult>(camera)?.view,
         };
+        let in_use = world.get_resource::<ExtractedLayers>().map_or(0, |layers| layers.0);
+        let fading = world.get::<FadingSurfaces>(camera);
+        let fading = fading
+            .filter(|surfaces| surfaces.is_current)
+            .into_iter()
+            .flat_map(|surfaces| {
+                let pictures = surfaces.depth.each.iter().zip(&surfaces.normal.each);
+                pictures.zip(&surfaces.result.each)
+            })
+            .take(in_use as usize)
+            .map(|((depth, normals), result)| Receiver { depth, normals, result });
         let transparent = world.get::<TransparentLayer>(camera).map(|layer| Receiver {
             depth: &layer.depth.1,
             normals: no_normals,
             result: &layer.result.1,
         });
-        Some(std::iter::once(opaque).chain(transparent).collect())
+        Some(std::iter::once(opaque).chain(fading).chain(transparent).collect())
     };
-    opaque().unwrap_or_default()
+    all().unwrap_or_default()
 }
