@@ -66,7 +66,7 @@ pub struct Play {
     /// A bundle of technique and budget: low, medium, high or ultra
     #[arg(long, value_name = "P", value_parser = preset)]
     pub preset: Option<Technique>,
-    /// How levels of detail take each other's place: hard, late, plain, dither or unpopping
+    /// How levels of detail take each other's place: hard, late, plain, dither, geomorph or unpopping
     #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
     pub lod: LodKind,
 }
@@ -115,7 +115,8 @@ pub struct Shoot {
     /// Also one sheet per shot and kind of picture, with all techniques in so many columns
     #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(1..=32))]
     pub sheet: Option<u32>,
-    /// How levels of detail are chosen and take each other's place: hard, late, plain, dither or unpopping
+    /// How levels of detail are chosen and take each other's place: hard, late, plain, dither, geomorph or
+    /// unpopping
     #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
     pub lod: LodKind,
     /// Only every N-th shot, beginning with the I-th (from 1)
@@ -185,7 +186,7 @@ pub struct Bench {
     /// The kind of transition of the technique that ratios are printed to, measured after the others
     #[arg(long, value_name = "KIND", value_parser = lod_kind, requires = "against")]
     pub against_lod: Option<LodKind>,
-    /// How levels of detail take each other's place: hard, late, plain, dither or unpopping
+    /// How levels of detail take each other's place: hard, late, plain, dither, geomorph or unpopping
     #[arg(long, value_name = "KIND", value_parser = lod_kind, default_value = "unpopping")]
     pub lod: LodKind,
     /// Size of the pictures in pixels [default: 1280x720]
@@ -205,8 +206,8 @@ pub struct Pop {
     /// The camera path, as `list paths SCENE` names it [default: the scene's first]
     #[arg(long, value_name = "NAME")]
     pub path: Option<String>,
-    /// A kind of transition: hard, late, plain, dither or unpopping; may be given several times [default: hard, dither,
-    /// plain, unpopping]
+    /// A kind of transition: hard, late, plain, dither, geomorph or unpopping; may be given several times [default: hard,
+    /// dither, plain, unpopping]
     #[arg(long = "kind", value_name = "KIND", value_parser = lod_kind)]
     pub kinds: Vec<LodKind>,
     /// Which levels cast shadows during a crossing: solid, both or fading

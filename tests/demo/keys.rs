@@ -279,7 +279,7 @@ fn v_and_shift_v_choose_levels_of_detail_for_both_halves() {
     game.tap(KeyCode::KeyV);
     game.shift_tap(KeyCode::KeyV);
     assert_eq!(kinds(&game), (LodKind::Hard, Some(LodKind::Late)));
-    for _ in 0..4 {
+    for _ in 0..5 {
         game.shift_tap(KeyCode::KeyV);
     }
     game.frames(2);
