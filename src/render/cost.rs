@@ -14,8 +14,9 @@ use bevy::{
 use super::{
     atlas::{ShadowAtlas, ShadowResult},
     blur::BlurTarget,
-    caster::CasterStatistics,
+    caster::{CasterStatistics, prepare::CasterViews},
     history::HistoryTargets,
+    transparent::TransparentLayer,
     virtual_map::report::VirtualMapReports,
 };
 
@@ -26,7 +27,7 @@ pub struct ShadowCost {
     pub bevy_maps: u64,
     /// [`ShadowAtlas`], both where there are two; of a virtual map the tile textures alive at once and its other buffers.
     pub atlas: u64,
-    /// [`ShadowResult`], the texture that its blur goes to and fro between, and its history.
+    /// [`ShadowResult`], the texture that its blur goes to and fro between, its history, and the layer of transparent surfaces.
     pub result: u64,
     /// Indirect draws of the caster phase and their counts.
     pub caster_buffers: u64,
@@ -77,11 +78,21 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
                 .map_or(0, |target| texture_bytes(&target.texture))
             + camera
                 .get::<HistoryTargets>()
-                .map_or(0, |targets| targets.textures.iter().map(texture_bytes).sum()),
+                .map_or(0, |targets| targets.textures.iter().map(texture_bytes).sum())
+            + camera.get::<TransparentLayer>().map_or(0, |layer| {
+                texture_bytes(&layer.depth.0) + texture_bytes(&layer.result.0)
+            }),
         caster_buffers: counts.buffer_bytes,
         bevy_draw_calls: lights.map_or(0, |lights| bevy_draw_calls(render_world, lights)),
         atlas_draw_calls: u64::from(counts.light_views) * u64::from(counts.bins) * passes,
     }
+}
+
+/// Whether the last frame drew Bevy's fallback map for a camera on the full path: only where something reads it.
+#[must_use]
+pub fn draws_fallback_map(render_world: &World, camera: Entity) -> bool {
+    let views = render_world.get::<CasterViews>(camera);
+    views.is_some_and(|views| render_world.get::<ShadowView>(views.cascade).is_some())
 }
 
 /// Tile textures and other buffers of a camera's virtual map; 0 without.

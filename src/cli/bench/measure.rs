@@ -168,8 +168,7 @@ impl Bench<'_> {
     fn sample(&self, frame: usize, time: FrameTime, technique: &Technique) -> FrameSample {
         let camera = self.stage.camera();
         let views = stats::views_of(self.app, self.sun, camera, technique);
-        let has_fallback =
-            matches!(technique, Technique::Umbrage(settings) if takes_full_path(technique) && settings.fallback_map);
+        let has_fallback = takes_full_path(technique) && stats::draws_fallback(self.app, camera);
         let fallback_casters = stats::bevy_casters(self.app.world(), self.sun, camera);
         let cost = self
             .app

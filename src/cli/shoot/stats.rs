@@ -20,7 +20,7 @@ use super::{
 
 use crate::{
     level::shot::Shot,
-    render::caster::drawn,
+    render::{caster::drawn, cost::draws_fallback_map},
     shadow::{
         checked::checked,
         layout::cells_per_side,
@@ -285,7 +285,7 @@ pub(in crate::cli) fn maps_of(app: &App, sun: Entity, camera: Entity, technique:
         }
         Technique::Umbrage(settings) => {
             let (settings, _) = checked(settings);
-            let has_fallback = settings.path == ShadowPath::Full && settings.fallback_map;
+            let has_fallback = settings.path == ShadowPath::Full && draws_fallback(app, camera);
             let fallback_size = if has_fallback { bevy_size } else { 0 };
             if let Some(report) = virtual_map::report_of(app, camera) {
                 return virtual_map::maps_of(&report, fallback_size);
@@ -304,6 +304,12 @@ pub(in crate::cli) fn maps_of(app: &App, sun: Entity, camera: Entity, technique:
             Maps { count, ..maps }
         }
     }
+}
+
+/// Whether the frame just drawn has Bevy's fallback map besides.
+pub(in crate::cli) fn draws_fallback(app: &App, camera: Entity) -> bool {
+    let render_camera = app.get_sub_app(RenderApp).zip(render_entity(app, camera));
+    render_camera.is_some_and(|(render_app, camera)| draws_fallback_map(render_app.world(), camera))
 }
 
 /// Casters drawn into each light view of a camera in the frame just drawn.
