@@ -120,6 +120,9 @@ fn scheme_of(count: u32, default: SplitScheme, pairs: &Pairs) -> Result<SplitSch
                 _ => 0.5,
             }),
         }),
+        Some(Kind::Manual) if count == 1 => Err(TechniqueError::together(
+            "`split=manual` and `splits=` mean nothing with one slice: there is nothing to split",
+        )),
         Some(Kind::Manual) => match splits {
             Some(splits) if splits.len() + 1 == count as usize => Ok(SplitScheme::Manual(splits)),
             _ => Err(TechniqueError::together(format!(
