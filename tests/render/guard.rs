@@ -39,7 +39,7 @@ struct Measured {
 impl Measured {
     /// The last column was taken again with the slices of `maths::drop_in`: 8 shots are better, 5 worse, most of all the fence
     /// from near (0.95 before), whose nearest metre has fewer texels now.
-    /// The fourth was taken again with measured near planes: 11 shots are better, two as they were, and from the far end a shadow
+    /// The fourth was taken again with measured near planes: 10 shots are better, three as they were, and from the far end a shadow
     /// of one row of pixels, in texels of 15, is lost (0.12 before).
     ///
     /// The same machine measures the same; other drivers rasterize edges of casters otherwise, which flips pixels along

@@ -14,6 +14,7 @@
 //! fully clear have no place in the layer: what lies behind those reads the fallback map. The result has neither blur nor
 //! history. Planes come from depths alone: there are no normals. Needs `Msaa::Off`, as all of the full path.
 
+pub(super) mod items;
 mod nearest;
 
 use bevy::{

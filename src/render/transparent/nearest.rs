@@ -7,7 +7,7 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
-        render_phase::{DrawFunctions, PhaseItem, ViewSortedRenderPhases},
+        render_phase::{DrawFunctions, ViewSortedRenderPhases},
         render_resource::{
             CachedRenderPipelineId, CompareFunction, DepthStencilState, LoadOp, Operations, PipelineCache,
             RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipelineDescriptor, StoreOp,
@@ -17,7 +17,7 @@ use bevy::{
     },
 };
 
-use super::{DEPTH_FORMAT, TransparentLayer};
+use super::{DEPTH_FORMAT, TransparentLayer, items::draw_variants};
 use crate::render::unpop::draw::FadingItems;
 
 /// Variants of transparent pipelines that write depth only.
@@ -94,30 +94,9 @@ pub(super) fn draw_nearest_transparent(
     if let Some(viewport) = &camera.viewport {
         pass.set_camera_viewport(viewport);
     }
-    let mut functions = functions.write();
-    functions.prepare(world);
-    // The same batches as in the transparent pass: an item stands for as many as its range holds.
-    let mut index = 0;
-    while let Some((_, item)) = phase.items.get_index(index) {
-        index += item.batch_range().len().max(1);
-        let (false, Some(pipeline)) = (item.batch_range().is_empty(), variants.0.get(&item.pipeline)) else {
-            continue;
-        };
-        let nearest = Transparent3d {
-            sorting_info: item.sorting_info,
-            distance: item.distance,
-            pipeline: *pipeline,
-            entity: item.entity,
-            draw_function: item.draw_function,
-            batch_range: item.batch_range.clone(),
-            extra_index: item.extra_index.clone(),
-            indexed: item.indexed,
-        };
-        if let Some(draw) = functions.get_mut(item.draw_function)
-            && let Err(error) = draw.draw(world, &mut pass, view_entity, &nearest)
-        {
-            error!("a transparent thing could not be drawn: {error}");
-        }
-    }
+    draw_variants(phase, &functions, (world, view_entity), &mut pass, |item| {
+        let variant = variants.0.get(&item.pipeline);
+        variant.map(|pipeline| (*pipeline, item.draw_function))
+    });
     span.end(&mut pass);
 }

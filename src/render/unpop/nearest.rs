@@ -19,7 +19,7 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
-        render_phase::{DrawFunctions, PhaseItem, ViewSortedRenderPhases},
+        render_phase::{DrawFunctions, ViewSortedRenderPhases},
         render_resource::{
             CachedRenderPipelineId, ColorTargetState, ColorWrites, CompareFunction, LoadOp, Operations, PipelineCache,
             RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
@@ -35,6 +35,7 @@ use super::{
     layers::{self, ExtractedLayers, LayerBindGroups},
     surfaces::{DEPTH_FORMAT, FadingSurfaces, LEVEL_FORMAT},
 };
+use crate::render::transparent::items::draw_variants;
 
 /// Variants of fading pipelines that write the nearest surface.
 #[derive(Resource, Default)]
@@ -109,8 +110,6 @@ pub(super) fn draw_nearest(
     let (Some(fading), Some(bevys)) = (items.function(), functions.read().get_id::<DrawMaterial>()) else {
         return;
     };
-    let mut functions = functions.write();
-    functions.prepare(world);
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     for (layer, depth) in surfaces.depth.each.iter().enumerate() {
@@ -141,33 +140,10 @@ pub(super) fn draw_nearest(
             pass.set_camera_viewport(viewport);
         }
         pass.set_bind_group(4, bind_group, &[]);
-        // The same batches as in the transparent pass: an item stands for as many as its range holds.
-        let mut index = 0;
-        while let Some((_, item)) = phase.items.get_index(index) {
-            index += item.batch_range().len().max(1);
-            let (false, true, Some(pipeline)) = (
-                item.batch_range().is_empty(),
-                item.draw_function == fading,
-                variants.0.get(&item.pipeline),
-            ) else {
-                continue;
-            };
-            let nearest = Transparent3d {
-                sorting_info: item.sorting_info,
-                distance: item.distance,
-                pipeline: *pipeline,
-                entity: item.entity,
-                draw_function: bevys,
-                batch_range: item.batch_range.clone(),
-                extra_index: item.extra_index.clone(),
-                indexed: item.indexed,
-            };
-            if let Some(draw) = functions.get_mut(bevys)
-                && let Err(error) = draw.draw(world, &mut pass, view_entity, &nearest)
-            {
-                error!("a fading part could not be drawn: {error}");
-            }
-        }
+        draw_variants(phase, &functions, (world, view_entity), &mut pass, |item| {
+            let variant = variants.0.get(&item.pipeline).filter(|_| item.draw_function == fading);
+            variant.map(|pipeline| (*pipeline, bevys))
+        });
         span.end(&mut pass);
     }
 }

@@ -182,7 +182,7 @@ fn requests(frame: &TileFrame, settings: &FittedMaps, state: &mut FittedState) -
     let own = state.own_light_views.take();
     let light_views = own.unwrap_or_else(|| frame.sun.light_views.clone());
     let ends: Vec<f32> = light_views.iter().map(|light_view| light_view.far_depth).collect();
-    let depths = partition_depths(&ends, frame.sun.shadow_distance);
+    let depths = depth_intervals(&ends, frame.sun.shadow_distance);
     let request = |(partition, (light_view, depths)): (u32, (LightView, [f32; 2]))| {
         let margin = margin(
             frame.sun.settings.filter,
@@ -205,7 +205,7 @@ fn requests(frame: &TileFrame, settings: &FittedMaps, state: &mut FittedState) -
 /// The view depths in metres of the pixels that look into the map of each z-partition, from where the partitions end: as
 /// `view_of_depth` in `selection.wgsl` decides, and a little more. The measurement is another shader, and may round a
 /// pixel's depth to the other side.
-fn partition_depths(ends: &[f32], shadow_distance: f32) -> Vec<[f32; 2]> {
+fn depth_intervals(ends: &[f32], shadow_distance: f32) -> Vec<[f32; 2]> {
     let slack = |depth: f32| 1.0e-3 + 1.0e-5 * depth;
     let Some((_, inner)) = ends.split_last() else {
         return Vec::new();
@@ -299,7 +299,7 @@ mod tests {
 
     #[test]
     fn partitions_share_the_pixels_between_them() {
-        let depths = partition_depths(&[10.0, 40.0, 90.0], 80.0);
+        let depths = depth_intervals(&[10.0, 40.0, 90.0], 80.0);
         let holds =
             |depth: f32| -> Vec<bool> { depths.iter().map(|[from, to]| (*from..*to).contains(&depth)).collect() };
         assert_eq!(holds(0.01), [true, false, false]);
@@ -311,6 +311,6 @@ mod tests {
             [false, false, false],
             "everything is lit from the shadow distance on"
         );
-        assert_eq!(partition_depths(&[90.0], 7.0), [[f32::MIN, 7.0]], "one map has all");
+        assert_eq!(depth_intervals(&[90.0], 7.0), [[f32::MIN, 7.0]], "one map has all");
     }
 }
