@@ -2,9 +2,12 @@
 //
 // Depths are never filtered, only the outcomes of comparisons: 1 lit, 0 in shadow. Every tap compares with the depth of
 // the receiver's plane at its own texel.
+//
+// `atlas`: opaque casters; `fading`: in the same places the nearest of those that take a share of the light only.
 #define_import_path umbrage::filter
 
 #import umbrage::bias::{ReceiverPlane, ndc_step}
+#import umbrage::fading::fading_share
 
 // A receiver that is looked up in one map of an atlas.
 struct Lookup {
@@ -17,6 +20,8 @@ struct Lookup {
     offset: f32,
     // Whether every tap compares with the receiver's plane at its own texel.
     follows_plane: bool,
+    // Whether `fading` holds casters; else it is not read.
+    has_fading: bool,
 }
 
 // The image in a map of a disc across the light: its two axes in texture coordinates.
@@ -26,8 +31,8 @@ struct Kernel {
 }
 
 struct Blockers {
-    // Taps that hit one.
-    count: u32,
+    // Taps that hit one, fading ones by their share.
+    weight: f32,
     // Mean distance from the receiver's plane along the light, metres; 0 without any.
     distance: f32,
 }
@@ -61,36 +66,45 @@ fn receiver_depth(lookup: Lookup, tap: vec2<f32>) -> f32 {
     return receiver;
 }
 
-// The depth that a texel of the map holds. Taps beside its bounds read their border, never a neighbour's cell.
-fn stored_depth(atlas: texture_depth_2d, lookup: Lookup, tap: vec2<f32>) -> f32 {
-    return textureLoad(atlas, vec2<i32>(lookup.rect.xy + clamp(tap, lookup.bounds.xy, lookup.bounds.zw)), 0);
+// The texel of the atlas that a tap reads. Taps beside the map's bounds read their border, never a neighbour's cell.
+fn read_texel(lookup: Lookup, tap: vec2<f32>) -> vec2<i32> {
+    return vec2<i32>(lookup.rect.xy + clamp(tap, lookup.bounds.xy, lookup.bounds.zw));
 }
 
 // One comparison. Reverse z: larger is nearer to the light.
-fn compare(atlas: texture_depth_2d, lookup: Lookup, tap: vec2<f32>) -> f32 {
-    return select(1.0, 0.0, stored_depth(atlas, lookup, tap) > receiver_depth(lookup, tap));
+fn compare(atlas: texture_depth_2d, fading: texture_depth_2d, lookup: Lookup, tap: vec2<f32>) -> f32 {
+    let texel = read_texel(lookup, tap);
+    let receiver = receiver_depth(lookup, tap);
+    if textureLoad(atlas, texel, 0) > receiver {
+        return 0.0;
+    }
+    if !lookup.has_fading {
+        return 1.0;
+    }
+    let stored = textureLoad(fading, texel, 0);
+    return select(1.0, 1.0 - fading_share(stored), stored > receiver);
 }
 
 // No filter: the texel that holds the receiver.
-fn hard(atlas: texture_depth_2d, lookup: Lookup) -> f32 {
-    return compare(atlas, lookup, floor(receiver_texel(lookup)));
+fn hard(atlas: texture_depth_2d, fading: texture_depth_2d, lookup: Lookup) -> f32 {
+    return compare(atlas, fading, lookup, floor(receiver_texel(lookup)));
 }
 
 // The four texels around a place in the map with equal weights.
-fn four_taps(atlas: texture_depth_2d, lookup: Lookup, texel: vec2<f32>) -> f32 {
+fn four_taps(atlas: texture_depth_2d, fading: texture_depth_2d, lookup: Lookup, texel: vec2<f32>) -> f32 {
     let base = floor(texel - 0.5);
-    return 0.25 * (compare(atlas, lookup, base) + compare(atlas, lookup, base + vec2<f32>(1.0, 0.0))
-        + compare(atlas, lookup, base + vec2<f32>(0.0, 1.0)) + compare(atlas, lookup, base + 1.0));
+    return 0.25 * (compare(atlas, fading, lookup, base) + compare(atlas, fading, lookup, base + vec2<f32>(1.0, 0.0))
+        + compare(atlas, fading, lookup, base + vec2<f32>(0.0, 1.0)) + compare(atlas, fading, lookup, base + 1.0));
 }
 
 // The four texels around a place in the map, weighted by how near they are.
-fn bilinear(atlas: texture_depth_2d, lookup: Lookup, texel: vec2<f32>) -> f32 {
+fn bilinear(atlas: texture_depth_2d, fading: texture_depth_2d, lookup: Lookup, texel: vec2<f32>) -> f32 {
     let base = floor(texel - 0.5);
     let weight = texel - 0.5 - base;
     let top = mix(
-        compare(atlas, lookup, base), compare(atlas, lookup, base + vec2<f32>(1.0, 0.0)), weight.x);
+        compare(atlas, fading, lookup, base), compare(atlas, fading, lookup, base + vec2<f32>(1.0, 0.0)), weight.x);
     let bottom = mix(
-        compare(atlas, lookup, base + vec2<f32>(0.0, 1.0)), compare(atlas, lookup, base + 1.0), weight.x);
+        compare(atlas, fading, lookup, base + vec2<f32>(0.0, 1.0)), compare(atlas, fading, lookup, base + 1.0), weight.x);
     return mix(top, bottom, weight.y);
 }
 
@@ -135,6 +149,7 @@ fn tap_texel(lookup: Lookup, kernel: Kernel, tap: vec2<f32>) -> vec2<f32> {
 // The share of taps that are lit. `smooth_taps`: every tap is a bilinear lookup.
 fn disc(
     atlas: texture_depth_2d,
+    fading: texture_depth_2d,
     lookup: Lookup,
     kernel: Kernel,
     count: u32,
@@ -145,26 +160,43 @@ fn disc(
     for (var index = 0u; index < count; index += 1u) {
         let texel = tap_texel(lookup, kernel, disc_tap(index, count, angle));
         if smooth_taps {
-            lit += bilinear(atlas, lookup, texel);
+            lit += bilinear(atlas, fading, lookup, texel);
         } else {
-            lit += compare(atlas, lookup, floor(texel));
+            lit += compare(atlas, fading, lookup, floor(texel));
         }
     }
     return lit / f32(count);
 }
 
 // Looks for blockers on a disc of taps.
-fn search_blockers(atlas: texture_depth_2d, lookup: Lookup, kernel: Kernel, count: u32, angle: f32) -> Blockers {
+fn search_blockers(
+    atlas: texture_depth_2d,
+    fading: texture_depth_2d,
+    lookup: Lookup,
+    kernel: Kernel,
+    count: u32,
+    angle: f32,
+) -> Blockers {
     var blockers: Blockers;
     for (var index = 0u; index < count; index += 1u) {
-        let texel = floor(tap_texel(lookup, kernel, disc_tap(index, count, angle)));
-        let above = stored_depth(atlas, lookup, texel) - receiver_depth(lookup, texel);
-        if above > 0.0 {
-            blockers.count += 1u;
-            blockers.distance += above / lookup.plane.depth_per_metre;
+        let tap = floor(tap_texel(lookup, kernel, disc_tap(index, count, angle)));
+        let texel = read_texel(lookup, tap);
+        let receiver = receiver_depth(lookup, tap);
+        var above = textureLoad(atlas, texel, 0) - receiver;
+        var weight = select(0.0, 1.0, above > 0.0);
+        if lookup.has_fading && weight == 0.0 {
+            let stored = textureLoad(fading, texel, 0);
+            above = stored - receiver;
+            weight = select(0.0, fading_share(stored), above > 0.0);
+        }
+        if weight > 0.0 {
+            blockers.weight += weight;
+            blockers.distance += weight * above / lookup.plane.depth_per_metre;
         }
     }
-    blockers.distance /= f32(max(blockers.count, 1u));
+    if blockers.weight > 0.0 {
+        blockers.distance /= blockers.weight;
+    }
     return blockers;
 }
 
@@ -174,13 +206,20 @@ fn penumbra_radius(distance: f32, sun_tangent: f32) -> f32 {
 }
 
 // The share of the sun that is seen. `kernel`: of one metre.
-fn soft(atlas: texture_depth_2d, lookup: Lookup, kernel: Kernel, settings: Soft, angle: f32) -> f32 {
+fn soft(
+    atlas: texture_depth_2d,
+    fading: texture_depth_2d,
+    lookup: Lookup,
+    kernel: Kernel,
+    settings: Soft,
+    angle: f32,
+) -> f32 {
     let search = scaled(kernel, settings.largest_radius);
-    let blockers = search_blockers(atlas, lookup, search, settings.search_taps, angle);
-    if blockers.count == 0u {
-        return bilinear(atlas, lookup, receiver_texel(lookup));
+    let blockers = search_blockers(atlas, fading, lookup, search, settings.search_taps, angle);
+    if blockers.weight == 0.0 {
+        return bilinear(atlas, fading, lookup, receiver_texel(lookup));
     }
     let radius = penumbra_radius(blockers.distance, settings.sun_tangent);
     let limited = min(max(radius, settings.smallest_radius), settings.largest_radius);
-    return disc(atlas, lookup, scaled(kernel, limited), settings.filter_taps, angle, true);
+    return disc(atlas, fading, lookup, scaled(kernel, limited), settings.filter_taps, angle, true);
 }

@@ -52,6 +52,8 @@ struct ApplyParameters {
     // View depth at which shadows have faded out, and length of the fade before it, in metres; 0: no fade.
     fade_end: f32,
     fade_length: f32,
+    // 1: there are casters that fade, in maps of their own.
+    has_fading: u32,
 }
 
 // One pass of the eye-space blur: half an iteration.

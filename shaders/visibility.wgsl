@@ -55,10 +55,12 @@ fn texels_of_cell(rect: vec4<f32>) -> MapTexels {
     return MapTexels(rect, vec4<f32>(0.0, 0.0, rect.zw - 1.0));
 }
 
-// 1 lit, 0 in shadow. `plane`: the surface in the map that `clip_from_world` draws; `angle`: by which this pixel turns its
+// 1 lit, 0 in shadow. `fading`: the casters that fade, in the same texels; read only where there are some. `plane`: the surface in the map that `clip_from_world` draws; `angle`: by which this pixel turns its
 // disc of taps.
 fn visibility(
     depths: texture_depth_2d,
+    fading: texture_depth_2d,
+    has_fading: bool,
     texels: MapTexels,
     clip_from_world: mat4x4<f32>,
     plane: ReceiverPlane,
@@ -69,21 +71,29 @@ fn visibility(
     lookup.plane = plane;
     lookup.rect = texels.rect;
     lookup.bounds = texels.bounds;
+    lookup.has_fading = has_fading;
     let size = lookup.rect.zw;
     // A plane has no side.
     let cosine = max(abs(dot(surface.normal, parameters.direction_to_light)), MIN_COS_LIGHT);
     lookup.offset = depth_offset(lookup.plane, size, surface, cosine);
     lookup.follows_plane = parameters.bias_kind == BIAS_FOOTPRINT || parameters.bias_kind == BIAS_RECEIVER;
     if parameters.filter_kind == FILTER_HARD {
-        return hard(depths, lookup);
+        return hard(depths, fading, lookup);
     }
     if parameters.filter_kind == FILTER_PCF2 {
-        return bilinear(depths, lookup, receiver_texel(lookup));
+        return bilinear(depths, fading, lookup, receiver_texel(lookup));
     }
     let kernel = kernel_per_metre(clip_from_world, lookup.plane, parameters.direction_to_light);
     if parameters.filter_kind == FILTER_POISSON {
         return disc(
-            depths, lookup, scaled(kernel, parameters.filter_radius), parameters.filter_taps, angle, true);
+            depths,
+            fading,
+            lookup,
+            scaled(kernel, parameters.filter_radius),
+            parameters.filter_taps,
+            angle,
+            true,
+        );
     }
     var settings: Soft;
     settings.sun_tangent = parameters.sun_tangent;
@@ -91,7 +101,7 @@ fn visibility(
     settings.smallest_radius = texel_side(lookup.plane, size, cosine);
     settings.search_taps = parameters.search_taps;
     settings.filter_taps = parameters.filter_taps;
-    return soft(depths, lookup, kernel, settings, angle);
+    return soft(depths, fading, lookup, kernel, settings, angle);
 }
 
 // How much nearer to the light than the receiver (or its plane) a caster must be, NDC depth.

@@ -67,7 +67,7 @@ fn layouts_agree() {
     assert_layout!(ApplyParameters, "ApplyParameters", {
         light_views, direction_to_light, light_view_count, shadow_distance, selection, filter_kind, bias_kind,
         bias_value, opacity, bias_units, filter_taps, filter_radius, search_taps, sun_tangent,
-        seam_share, seam_metres, has_seams, fade_end, fade_length,
+        seam_share, seam_metres, has_seams, fade_end, fade_length, has_fading,
     });
     assert_layout!(GpuEyeBlur, "EyeBlur", { iterations, full_depth, iteration, axis });
     assert_layout!(GpuDepthRange, "DepthRange", { nearest, farthest, pixel_count, padding });

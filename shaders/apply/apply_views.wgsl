@@ -10,6 +10,7 @@
 #import umbrage::visibility::{texels_of_cell, visibility}
 
 @group(0) @binding(4) var atlas: texture_depth_2d;
+@group(0) @binding(5) var fading_atlas: texture_depth_2d;
 
 // As many as `ApplyParameters` holds.
 const MAX_LIGHT_VIEWS: u32 = 16u;
@@ -61,5 +62,6 @@ fn blended_visibility(surface: Surface, angle: f32) -> f32 {
 fn visibility_in(selected: Selected, surface: Surface, angle: f32) -> f32 {
     let texels = texels_of_cell(parameters.light_views[selected.index].atlas_rect);
     let clip_from_world = parameters.light_views[selected.index].clip_from_world;
-    return visibility(atlas, texels, clip_from_world, selected.plane, surface, angle);
+    let has_fading = parameters.has_fading != 0u;
+    return visibility(atlas, fading_atlas, has_fading, texels, clip_from_world, selected.plane, surface, angle);
 }

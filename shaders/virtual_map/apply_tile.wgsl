@@ -12,11 +12,12 @@
 #import umbrage::visibility::{MapTexels, visibility}
 
 @group(0) @binding(4) var tile_depths: texture_depth_2d;
+@group(0) @binding(5) var fading_depths: texture_depth_2d;
 // Storage, not uniform: it differs from tile to tile (see cull_casters.wgsl).
-@group(0) @binding(5) var<storage, read> tile: ShadowTile;
+@group(0) @binding(6) var<storage, read> tile: ShadowTile;
 #ifdef COUNT
-@group(0) @binding(6) var old_result: texture_2d<f32>;
-@group(0) @binding(7) var<storage, read_write> reports: array<TileReport>;
+@group(0) @binding(7) var old_result: texture_2d<f32>;
+@group(0) @binding(8) var<storage, read_write> reports: array<TileReport>;
 #endif
 
 @fragment
@@ -35,7 +36,16 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) f32 {
     let clip_from_world = parameters.light_views[tile.light_view].clip_from_world;
     let texels = MapTexels(tile.rect, tile.bounds);
     let angle = pixel_angle(in.position.xy);
-    var lit = visibility(tile_depths, texels, clip_from_world, selected.plane, surface, angle);
+    var lit = visibility(
+        tile_depths,
+        fading_depths,
+        parameters.has_fading != 0u,
+        texels,
+        clip_from_world,
+        selected.plane,
+        surface,
+        angle,
+    );
     if parameters.fade_length > 0.0 {
         lit = mix(1.0, lit, range_fade(surface.view_depth));
     }

@@ -222,7 +222,7 @@ pub struct Pop {
     /// Places on the path where the camera stops and watches
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub stops: u32,
-    /// Frames watched at each, at 60 per second, while the levels' eye walks on
+    /// Frames at each, at 60 per second, for which the levels' eye walks on; what fades then is watched to its end
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(2..=3600))]
     pub frames: u32,
     /// The technique of the sun's shadows

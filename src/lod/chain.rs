@@ -62,6 +62,9 @@ pub struct LodCoat {
     pub shadow: f32,
     /// Whether it is drawn over the other level where depths are equal.
     pub wins_ties: bool,
+    /// Whether the other level fades, too: shares of both in one texel of a map would hide each other, so the shadow is
+    /// dithered.
+    pub dithers_shadow: bool,
     /// The same for all parts of an object: of each of its levels only the nearest surface is blended.
     pub object: u32,
 }

@@ -275,6 +275,7 @@ fn show(
                 (LodShadows::Both, _) => 1.0,
             },
             wins_ties: wins_ties(level, other),
+            dithers_shadow: kind == LodKind::Plain,
             object: entity.index_u32(),
         });
         let visibility = if coat.alpha > 0.0 {

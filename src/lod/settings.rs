@@ -166,8 +166,10 @@ pub enum LodShadows {
     Solid,
     /// Both: the shadow grows at once at the beginning and shrinks at the end.
     Both,
-    /// The opaque one, and the fading one through as many texels of the shadow map as it is opaque (ordered dither in the
-    /// map, smoothed by the shadow filter): the shadow changes in steps.
+    /// The opaque one, and the fading one as much as it is opaque: the shadow changes little by little. On the full path its
+    /// share of the light lies beside its depth in maps of their own; of several that fade behind each other in a texel the
+    /// nearest counts. In Bevy's own maps it casts through as many texels as it is opaque (ordered dither, smoothed by the
+    /// shadow filter), and the shadow changes in steps.
     #[default]
     Fading,
 }

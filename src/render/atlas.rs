@@ -13,7 +13,7 @@ use bevy::{
     },
 };
 
-use super::extract::ExtractedSun;
+use super::{caster::layers::FadingCasters, extract::ExtractedSun};
 use crate::shadow::layout::AtlasLayout;
 
 /// Format of caster depth.
@@ -30,6 +30,11 @@ pub struct ShadowAtlas {
     pub view: TextureView,
     /// The second surface from the light in the same places, or the middle between both, where the sun's settings ask for it.
     pub second: Option<(Texture, TextureView)>,
+    /// The nearest casters that fade, in the same places, from the first time on that some do. Tiles of virtual maps have
+    /// textures of their own for them.
+    pub fading: Option<(Texture, TextureView)>,
+    /// Whether some casters fade in this frame, and are drawn apart.
+    pub fades: bool,
     /// Where the maps lie, within what the device can hold.
     pub layout: AtlasLayout,
 }
@@ -56,10 +61,16 @@ impl ShadowAtlas {
         self.second.as_ref().map_or(&self.view, |(_, view)| view)
     }
 
-    /// Bytes of texture memory.
-    pub fn bytes(&self) -> u64 {
-        let side = u64::from(self.layout.side);
-        side * side * if self.second.is_some() { 8 } else { 4 }
+    /// Casters that fade; without any a texture that is not read.
+    pub fn fading_view(&self) -> &TextureView {
+        self.fading.as_ref().map_or(&self.view, |(_, view)| view)
+    }
+
+    /// All textures.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let others = [&self.second, &self.fading];
+        let others = others.into_iter().flatten().map(|(texture, _)| texture);
+        std::iter::once(&self.texture).chain(others)
     }
 }
 
@@ -67,6 +78,7 @@ impl ShadowAtlas {
 pub fn prepare_atlas(
     mut commands: Commands,
     device: Res<RenderDevice>,
+    fading_casters: Res<FadingCasters>,
     cameras: Query<(
         Entity,
         &ExtractedSun,
@@ -85,7 +97,7 @@ pub fn prepare_atlas(
             continue;
         };
         if sun.layout.side > 0 || atlas.is_none() {
-            let atlas = next_atlas(&device, sun, atlas);
+            let atlas = next_atlas(&device, sun, fading_casters.0, atlas);
             commands.entity(entity).insert(atlas);
         }
         if result.is_none_or(|result| result.size != size) {
@@ -96,7 +108,7 @@ pub fn prepare_atlas(
 }
 
 /// The atlas of a frame: the textures of the frame before as far as their size is right.
-fn next_atlas(device: &RenderDevice, sun: &ExtractedSun, before: Option<&ShadowAtlas>) -> ShadowAtlas {
+fn next_atlas(device: &RenderDevice, sun: &ExtractedSun, fades: bool, before: Option<&ShadowAtlas>) -> ShadowAtlas {
     let largest = device.limits().max_texture_dimension_2d;
     let layout = sun.layout.shrunk(largest);
     if layout.side < sun.layout.side {
@@ -116,10 +128,15 @@ fn next_atlas(device: &RenderDevice, sun: &ExtractedSun, before: Option<&ShadowA
         let known = same_size.and_then(|atlas| atlas.second.clone());
         known.unwrap_or_else(|| create("umbrage_second_shadow_atlas"))
     });
+    let fading = same_size.and_then(|atlas| atlas.fading.clone());
+    let is_wanted = fades && !sun.settings.maps.is_virtual();
+    let fading = fading.or_else(|| is_wanted.then(|| create("umbrage_fading_atlas")));
     ShadowAtlas {
         texture,
         view,
         second,
+        fading,
+        fades,
         layout,
     }
 }

@@ -60,16 +60,17 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
         .copied()
         .unwrap_or_default();
     let lights = camera.get::<ViewLightEntities>();
-    let is_layered = camera.get::<ShadowAtlas>().is_some_and(|atlas| atlas.second.is_some());
-    let passes = if is_layered { 2 } else { 1 };
+    let passes = camera.get::<ShadowAtlas>().map_or(1, |atlas| {
+        1 + u64::from(atlas.second.is_some()) + u64::from(atlas.fades)
+    });
     ShadowCost {
         bevy_maps: camera
             .get::<ViewShadowBindings>()
             .map_or(0, |bindings| texture_bytes(&bindings.directional_light_depth_texture)),
-        atlas: camera.get::<ShadowAtlas>().map_or(0, |atlas| {
-            let second = atlas.second.as_ref().map_or(0, |(texture, _)| texture_bytes(texture));
-            texture_bytes(&atlas.texture) + second
-        }) + virtual_map_bytes(render_world, &camera),
+        atlas: camera
+            .get::<ShadowAtlas>()
+            .map_or(0, |atlas| atlas.textures().map(texture_bytes).sum())
+            + virtual_map_bytes(render_world, &camera),
         result: camera
             .get::<ShadowResult>()
             .map_or(0, |result| texture_bytes(&result.texture))

@@ -63,6 +63,8 @@ pub struct ApplyParameters {
     pub fade_end: f32,
     /// Length of the fade before it, metres; 0: none.
     pub fade_length: f32,
+    /// 1: there are casters that fade, in maps of their own.
+    pub has_fading: u32,
 }
 
 /// One pass of the eye-space blur.

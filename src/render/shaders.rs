@@ -21,12 +21,13 @@ macro_rules! embed_shader {
 
 /// Modules that others import, and shaders of levels of detail, which fade for less time than loading takes: loaded once and
 /// kept for the life of the app.
-const LIBRARIES: [&str; 12] = [
+const LIBRARIES: [&str; 13] = [
     "types.wgsl",
     "spaces.wgsl",
     "bias.wgsl",
     "surface.wgsl",
     "selection.wgsl",
+    "fading.wgsl",
     "filter.wgsl",
     "depth_offset.wgsl",
     "visibility.wgsl",
@@ -52,6 +53,7 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "bias.wgsl");
     embed_shader!(registry, "surface.wgsl");
     embed_shader!(registry, "selection.wgsl");
+    embed_shader!(registry, "fading.wgsl");
     embed_shader!(registry, "filter.wgsl");
     embed_shader!(registry, "depth_offset.wgsl");
     embed_shader!(registry, "visibility.wgsl");

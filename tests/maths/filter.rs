@@ -6,8 +6,9 @@ use umbrage::maths::{
     depth_offset::DepthOffset,
     filter::{
         disc::{TAP_COUNTS, disc, disc_tap, pixel_angle},
+        fading::fading_depth,
         kernel::{kernel_per_metre, scaled},
-        lookup::{Lookup, bilinear, compare, four_taps, hard, receiver_depth, receiver_texel},
+        lookup::{Lookup, WithFading, bilinear, compare, four_taps, hard, receiver_depth, receiver_texel},
         penumbra::{SUN_ANGULAR_DIAMETER, Soft, penumbra_radius, search_blockers, soft},
     },
     warp::Warp,
@@ -112,6 +113,61 @@ fn two_by_two() {
     assert!((weighted - (1.0 - 0.75 * 0.75)).abs() < 1e-6, "{weighted}");
 }
 
+/// Casters that fade take their share of the light from what nothing opaque shades, whatever filter looks.
+#[test]
+fn fading_casters_take_their_share() {
+    let settings = Soft {
+        sun_tangent: 0.2,
+        largest_radius: 4.0,
+        smallest_radius: 0.3,
+        search_taps: 32,
+        filter_taps: 64,
+    };
+    let kernel = kernel_per_metre(overhead(), &plane_at(Vec3::ZERO, Vec3::Y), Vec3::Y);
+    let metre = scaled(&kernel, 1.0);
+    // Opaque from x = 8 on; left of the middle something fades.
+    let opaque = atlas(|x, _| if x > 8.0 { 5.0 } else { 0.0 });
+    let fading_depths = roof(5.0);
+    for share in [0.0, 0.2, 0.6, 1.0] {
+        let maps = WithFading {
+            atlas: &opaque,
+            fading: |texel: IVec2| fading_depth(fading_depths(texel), share),
+        };
+        let solid = roof(5.0);
+        for x in [-6.0, -1.2, -0.1, 0.0, 0.3, 1.5, 5.0] {
+            let at = ground_at(x);
+            let texel = receiver_texel(&at);
+            let expected = |lit: f32| 1.0 - share * (1.0 - lit);
+            for (name, lit, of_solid) in [
+                ("hard", hard(&maps, &at), hard(&solid, &at)),
+                ("bilinear", bilinear(&maps, &at, texel), bilinear(&solid, &at, texel)),
+                (
+                    "disc",
+                    disc(&maps, &at, &metre, 32, 0.4, true),
+                    disc(&solid, &at, &metre, 32, 0.4, true),
+                ),
+            ] {
+                assert!(
+                    (lit - expected(of_solid)).abs() < 0.003,
+                    "{name}: {lit} at {x}, share {share}"
+                );
+            }
+        }
+        // Under the opaque roof nothing is left to take, and the penumbra of a share is a share of the penumbra.
+        assert_eq!(hard(&maps, &ground_at(9.0)), 0.0);
+        if share > 0.0 {
+            let (part, whole) = (
+                soft(&maps, &ground_at(-0.5), &kernel, &settings, 0.3),
+                soft(&solid, &ground_at(-0.5), &kernel, &settings, 0.3),
+            );
+            assert!(
+                (part - (1.0 - share * (1.0 - whole))).abs() < 0.01,
+                "{part}, solid {whole}"
+            );
+        }
+    }
+}
+
 /// Taps beside the map read its border: the map's neighbours in the atlas (which [`atlas`] refuses) do not shine in.
 #[test]
 fn taps_stay_in_their_cell() {
@@ -147,7 +203,7 @@ fn wide_kernels_do_not_shade_their_receiver() {
                 "slope-scaled bias serves one texel only"
             );
             let blockers = search_blockers(&map, &lookup(plane, MILLIMETRE), &kernel, 16, angle);
-            assert_eq!(blockers.count, 0, "step {step}");
+            assert_eq!(blockers.weight, 0.0, "step {step}");
         }
     }
 }

@@ -12,6 +12,7 @@ const SPACES: &str = include_str!("../../shaders/spaces.wgsl");
 const BIAS: &str = include_str!("../../shaders/bias.wgsl");
 const SURFACE: &str = include_str!("../../shaders/surface.wgsl");
 const DEPTH_OFFSET: &str = include_str!("../../shaders/depth_offset.wgsl");
+const FADING: &str = include_str!("../../shaders/fading.wgsl");
 const FILTER: &str = include_str!("../../shaders/filter.wgsl");
 const SELECTION: &str = include_str!("../../shaders/selection.wgsl");
 const VISIBILITY: &str = include_str!("../../shaders/visibility.wgsl");
@@ -62,7 +63,17 @@ fn without_directives(module: &str) -> Vec<&str> {
 
 #[test]
 fn passes_compile_with_what_they_import() {
-    let library = [ENGINE, TYPES, SPACES, BIAS, SURFACE, DEPTH_OFFSET, FILTER, SELECTION];
+    let library = [
+        ENGINE,
+        TYPES,
+        SPACES,
+        BIAS,
+        SURFACE,
+        DEPTH_OFFSET,
+        FADING,
+        FILTER,
+        SELECTION,
+    ];
     for pass in [
         [VISIBILITY, include_str!("../../shaders/apply/apply_views.wgsl")],
         [VISIBILITY, include_str!("../../shaders/virtual_map/apply_tile.wgsl")],
@@ -83,10 +94,11 @@ fn functions(module: &naga::Module) -> Vec<String> {
 
 #[test]
 fn filters_compile_with_the_functions_of_their_twins() {
-    let module = compose(&[ENGINE, SPACES, BIAS, DEPTH_OFFSET, FILTER]);
+    let module = compose(&[ENGINE, SPACES, BIAS, DEPTH_OFFSET, FADING, FILTER]);
     let names = functions(&module);
     for (file, source) in [
         ("lookup", include_str!("../../src/maths/filter/lookup.rs")),
+        ("fading", include_str!("../../src/maths/filter/fading.rs")),
         ("disc", include_str!("../../src/maths/filter/disc.rs")),
         ("kernel", include_str!("../../src/maths/filter/kernel.rs")),
         ("penumbra", include_str!("../../src/maths/filter/penumbra.rs")),
@@ -131,7 +143,17 @@ fn the_blur_compiles_with_the_functions_of_its_twin() {
 #[test]
 fn sampling_rates_compile_with_the_knots_of_their_twin() {
     const RATE: &str = include_str!("../../shaders/heat_map/sampling_rate.wgsl");
-    let library = [ENGINE, TYPES, SPACES, BIAS, SURFACE, DEPTH_OFFSET, FILTER, SELECTION];
+    let library = [
+        ENGINE,
+        TYPES,
+        SPACES,
+        BIAS,
+        SURFACE,
+        DEPTH_OFFSET,
+        FADING,
+        FILTER,
+        SELECTION,
+    ];
     for definitions in [&[][..], &["UMBRAGE_RATE_ACROSS"], &["UMBRAGE_RATE_ALONG"]] {
         let source = with_definitions(RATE, definitions);
         assert_eq!(

@@ -155,6 +155,16 @@ impl Harness {
         mask
     }
 
+    /// What a component of the camera's render entity says.
+    pub(crate) fn of_camera<C: Component, T>(&self, ask: impl Fn(&C) -> T) -> T {
+        let render_entity = self.app.world().get::<RenderEntity>(self.camera);
+        let render_entity = render_entity.expect("the camera is drawn").id();
+        let render_world = self.app.sub_app(RenderApp).world();
+        ask(render_world
+            .get::<C>(render_entity)
+            .expect("the camera has the component"))
+    }
+
     /// Reads a texture that a component of the camera's render entity holds.
     pub(crate) fn camera_texture<C: Component>(&self, camera: Entity, texture: impl Fn(&C) -> &Texture) -> Texels {
         let render_entity = self

@@ -4,6 +4,7 @@ use bevy::{
     camera::visibility::{RenderLayers, VisibilityRange},
     light::DirectionalLightShadowMap,
     math::DVec3,
+    mesh::morph::{MeshMorphWeights, MorphAttributes},
     prelude::*,
 };
 use umbrage::{
@@ -177,6 +178,41 @@ fn traced_truth_is_analytic_truth() {
             "{compared} rays, {in_shadow} in shadow"
         );
         assert_eq!(different, 0, "light {light}, of {compared} rays");
+    }
+}
+
+/// Rays meet a morphed mesh where its weights put it, and other instances of the mesh where they are.
+#[test]
+fn truth_follows_morph_targets() {
+    let mut harness = Harness::new(SIZE, eye());
+    let mut raised = Mesh::from(Plane3d::default().mesh().size(4.0, 4.0));
+    let count = raised.count_vertices();
+    let step = |height: f32| vec![MorphAttributes::new(Vec3::Y * height, Vec3::ZERO, Vec3::ZERO); count];
+    raised.set_morph_targets([step(2.0), step(-0.5)].concat());
+    let mesh = harness.mesh(raised);
+    let weights = |weights: &[f32]| MeshMorphWeights::Value {
+        weights: weights.to_vec(),
+    };
+    let at = |x: f32| Transform::from_xyz(x, 1.0, 0.0);
+    let world = harness.app.world_mut();
+    world.spawn((Mesh3d(mesh.clone()), at(0.0), weights(&[0.75, 0.5])));
+    world.spawn((Mesh3d(mesh.clone()), at(10.0), weights(&[0.0, 0.0])));
+    world.spawn((Mesh3d(mesh), at(20.0)));
+    let flat = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
+    world.spawn((Mesh3d(flat), at(30.0), weights(&[1.0])));
+    harness.start();
+    let scene = truth_scene(harness.app.world_mut(), None).expect("all meshes are in main memory");
+    for (x, height) in [
+        (0.0, 1.0 + 0.75 * 2.0 - 0.5 * 0.5),
+        (10.0, 1.0),
+        (20.0, 1.0),
+        (30.0, 1.5),
+    ] {
+        let origin = DVec3::new(x + 0.1, 50.0, 0.2);
+        let seen = scene
+            .first_surface(origin, DVec3::NEG_Y, 0.01, 1.0e4)
+            .expect("a surface");
+        assert!((50.0 - seen.t - height).abs() < 1.0e-5, "{} at {x}", 50.0 - seen.t);
     }
 }
 

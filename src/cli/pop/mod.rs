@@ -3,7 +3,7 @@
 //! At some places of the path the camera stops and watches. The levels' eye walks on from there along the path, at 60
 //! frames per second, so that levels change as they would for a walker; since the camera stands still, pictures change by
 //! that and nothing else. The energy of a frame is the squared change of the picture, in linear light, summed over pixels
-//! and colours ([`picture_energy`]).
+//! and colours ([`picture_energy`]). When the eye stops, the camera watches on until what fades has ended.
 //!
 //! All kinds see the same way of the same eye. Kinds driven by time take 0.4 s; Bevy's dither, which is driven by
 //! distance, begins as far before a border as the eye walks in 0.4 s.
@@ -46,6 +46,8 @@ const KINDS: [LodKind; 4] = [LodKind::Hard, LodKind::Dither, LodKind::Plain, Lod
 const RATE: f32 = 60.0;
 /// Seconds of a crossing.
 const SECONDS: f32 = 0.4;
+/// Frames after the eye's last step: the longest crossing, and the strip's last picture.
+const ENDING: u32 = 26;
 /// Frames until the levels of a new place are drawn.
 const SETTLING: usize = 4;
 
@@ -208,8 +210,8 @@ impl Watch<'_> {
             headless::frame(app);
         }
         let mut watched = Watched::new(kind, self.read(app)?);
-        for frame in 1..=self.frames {
-            place(app, self.eye(frame));
+        for frame in 1..=self.frames + ENDING {
+            place(app, self.eye(frame.min(self.frames)));
             headless::frame(app);
             let picture = self.read(app)?;
             let energy = picture_energy(&watched.last().bytes, &picture.bytes);

@@ -7,11 +7,11 @@
 //! Jimenez (*Next generation post processing in Call of Duty: Advanced Warfare*, SIGGRAPH 2014 course): bands become
 //! fine noise, which the blur of [`eye_blur`](super::eye_blur) removes.
 
-use bevy_math::{IVec2, Vec2, Vec4Swizzles};
+use bevy_math::{Vec2, Vec4Swizzles};
 
 use super::{
     kernel::Kernel,
-    lookup::{Lookup, bilinear, compare, receiver_texel},
+    lookup::{Lookup, MapTexels, bilinear, compare, receiver_texel},
 };
 
 /// Numbers of taps on offer: 8 for blocker searches, 64 as in Stingl, figure 3.21. Any other works too.
@@ -34,21 +34,14 @@ pub fn pixel_angle(pixel: Vec2) -> f32 {
 }
 
 /// The share of taps that are lit. `smooth`: every tap is a [`bilinear`] lookup instead of a single comparison.
-pub fn disc(
-    atlas: &impl Fn(IVec2) -> f32,
-    lookup: &Lookup,
-    kernel: &Kernel,
-    count: u32,
-    angle: f32,
-    smooth: bool,
-) -> f32 {
+pub fn disc(maps: &impl MapTexels, lookup: &Lookup, kernel: &Kernel, count: u32, angle: f32, smooth: bool) -> f32 {
     let mut lit = 0.0;
     for index in 0..count {
         let texel = tap_texel(lookup, kernel, disc_tap(index, count, angle));
         if smooth {
-            lit += bilinear(atlas, lookup, texel);
+            lit += bilinear(maps, lookup, texel);
         } else {
-            lit += compare(atlas, lookup, texel.floor());
+            lit += compare(maps, lookup, texel.floor());
         }
     }
     lit / count as f32

@@ -7,6 +7,7 @@
 //! | step | functions |
 //! |---|---|
 //! | compare | [`lookup::compare`], [`lookup::receiver_depth`] |
+//! | casters that fade | [`fading::fading_depth`], [`fading::fading_share`] |
 //! | one lookup | [`lookup::hard`], [`lookup::four_taps`], [`lookup::bilinear`] |
 //! | taps | [`disc::disc_tap`], [`disc::pixel_angle`] |
 //! | kernel in the world | [`kernel::kernel_per_metre`], [`kernel::scaled`] |
@@ -17,6 +18,7 @@
 
 pub mod disc;
 pub mod eye_blur;
+pub mod fading;
 pub mod kernel;
 pub mod lookup;
 pub mod penumbra;

@@ -10,12 +10,11 @@
 //! measures at up to 15 % of the frame rate. The thesis takes such pixels as lit; but a search misses blockers that lie
 //! between its taps, and thin ones were pierced with light.
 
-use bevy_math::IVec2;
-
 use super::{
     disc::{disc, disc_tap, tap_texel},
+    fading::fading_share,
     kernel::{Kernel, scaled},
-    lookup::{Lookup, bilinear, receiver_depth, receiver_texel, stored_depth},
+    lookup::{Lookup, MapTexels, bilinear, read_texel, receiver_depth, receiver_texel},
 };
 
 /// Angular diameter of the sun from the earth, radians: 0.53°.
@@ -24,33 +23,33 @@ pub const SUN_ANGULAR_DIAMETER: f32 = 0.009_25;
 /// What a blocker search found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blockers {
-    /// Taps that hit one.
-    pub count: u32,
+    /// Taps that hit one, fading ones by their share.
+    pub weight: f32,
     /// Mean distance from the receiver's plane along the light, metres; 0 without any.
     pub distance: f32,
 }
 
 /// Looks for blockers on a disc of taps.
-pub fn search_blockers(
-    atlas: &impl Fn(IVec2) -> f32,
-    lookup: &Lookup,
-    kernel: &Kernel,
-    count: u32,
-    angle: f32,
-) -> Blockers {
+pub fn search_blockers(maps: &impl MapTexels, lookup: &Lookup, kernel: &Kernel, count: u32, angle: f32) -> Blockers {
     let mut blockers = Blockers {
-        count: 0,
+        weight: 0.0,
         distance: 0.0,
     };
     for index in 0..count {
-        let texel = tap_texel(lookup, kernel, disc_tap(index, count, angle)).floor();
-        let above = stored_depth(atlas, lookup, texel) - receiver_depth(lookup, texel);
-        if above > 0.0 {
-            blockers.count += 1;
-            blockers.distance += above / lookup.plane.depth_per_metre;
-        }
+        let tap = tap_texel(lookup, kernel, disc_tap(index, count, angle)).floor();
+        let texel = read_texel(lookup, tap);
+        let receiver = receiver_depth(lookup, tap);
+        let (above, weight) = match maps.fading(texel) {
+            _ if maps.depth(texel) > receiver => (maps.depth(texel) - receiver, 1.0),
+            Some(stored) if stored > receiver => (stored - receiver, fading_share(stored)),
+            _ => continue,
+        };
+        blockers.weight += weight;
+        blockers.distance += weight * above / lookup.plane.depth_per_metre;
     }
-    blockers.distance /= blockers.count.max(1) as f32;
+    if blockers.weight > 0.0 {
+        blockers.distance /= blockers.weight;
+    }
     blockers
 }
 
@@ -76,13 +75,13 @@ pub struct Soft {
 }
 
 /// The share of the sun that is seen. `kernel`: of one metre.
-pub fn soft(atlas: &impl Fn(IVec2) -> f32, lookup: &Lookup, kernel: &Kernel, soft: &Soft, angle: f32) -> f32 {
+pub fn soft(maps: &impl MapTexels, lookup: &Lookup, kernel: &Kernel, soft: &Soft, angle: f32) -> f32 {
     let search = scaled(kernel, soft.largest_radius);
-    let blockers = search_blockers(atlas, lookup, &search, soft.search_taps, angle);
-    if blockers.count == 0 {
-        return bilinear(atlas, lookup, receiver_texel(lookup));
+    let blockers = search_blockers(maps, lookup, &search, soft.search_taps, angle);
+    if blockers.weight == 0.0 {
+        return bilinear(maps, lookup, receiver_texel(lookup));
     }
     let radius = penumbra_radius(blockers.distance, soft.sun_tangent);
     let radius = radius.max(soft.smallest_radius).min(soft.largest_radius);
-    disc(atlas, lookup, &scaled(kernel, radius), soft.filter_taps, angle, true)
+    disc(maps, lookup, &scaled(kernel, radius), soft.filter_taps, angle, true)
 }

@@ -77,6 +77,7 @@ fn init_apply_pipeline(
                 texture_2d(TextureSampleType::Float { filterable: false }),
                 storage_buffer_read_only::<ApplyParameters>(false),
                 texture_depth_2d(),
+                texture_depth_2d(),
             ),
         ),
     );
@@ -164,6 +165,7 @@ pub fn apply_parameters(sun: &ExtractedSun, atlas: &ShadowAtlas) -> ApplyParamet
         has_seams: u32::from(has_seams),
         fade_end: sun.end_depth,
         fade_length,
+        has_fading: u32::from(atlas.fades),
         ..default()
     }
 }
@@ -223,6 +225,7 @@ fn apply_views(
                 normals,
                 parameters.clone(),
                 atlas.lookup_view(),
+                atlas.fading_view(),
             )),
         );
         let diagnostics = ctx.diagnostic_recorder();

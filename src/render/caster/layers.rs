@@ -4,6 +4,10 @@
 //! with a fragment shader that lets the second surface through only. It is made from the descriptor of the first, so it
 //! follows every material that has no fragment shader in the shadow pass; those that do have one (they discard pixels)
 //! keep it, and store their nearest surface.
+//!
+//! Fading levels of detail ([`unpop`](crate::render::unpop)) take a share of the light only. Their own pipelines dither them
+//! into any map; the full path gives them an atlas of their own, in which a variant stores the share beside the depth, and
+//! leaves them out of the others.
 
 use std::collections::HashMap;
 
@@ -33,7 +37,7 @@ use bevy::{
 
 use super::{phase::Caster, prepare::CasterViews};
 use crate::{
-    render::{atlas::ShadowAtlas, shaders},
+    render::{atlas::ShadowAtlas, shaders, unpop::material::CASTS_SHARE},
     shadow::settings::ShadowStore,
 };
 
@@ -46,6 +50,8 @@ pub enum CasterLayer {
     Second,
     /// The middle between that and the first atlas.
     Midpoint,
+    /// Casters that fade, with their shares, and no others.
+    Fading,
 }
 
 impl CasterLayer {
@@ -60,6 +66,14 @@ impl CasterLayer {
     }
 }
 
+/// On the render view of a light view whose fading casters are drawn into an atlas of their own.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct FadingApart;
+
+/// Render world: whether a caster fades in this frame.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct FadingCasters(pub bool);
+
 /// On the render view of a light view that draws the second atlas: the first one.
 #[derive(Component, Clone, Debug)]
 pub struct FirstAtlas(BindGroup);
@@ -72,10 +86,10 @@ struct Variant {
     peels: bool,
 }
 
-/// Variants of Bevy's shadow pipelines, by pipeline and layer.
+/// Variants of Bevy's shadow pipelines, by pipeline and layer; `None` where the layer leaves out what the pipeline draws.
 #[derive(Resource)]
 pub struct CasterVariants {
-    known: HashMap<(CachedRenderPipelineId, CasterLayer), Variant>,
+    known: HashMap<(CachedRenderPipelineId, CasterLayer), Option<Variant>>,
     first_atlas_layout: BindGroupLayoutDescriptor,
     peel_shader: Handle<Shader>,
 }
@@ -95,14 +109,18 @@ pub fn init_caster_variants(mut commands: Commands, server: Res<AssetServer>) {
 /// Queues the variants that the phase of a camera needs, and binds the first atlas for the views of the second.
 pub fn prepare_layers(world: &mut World, camera: Entity, views: &CasterViews, store: ShadowStore) {
     let (first, second) = CasterLayer::of(store);
-    let Some(layer) = first.or(second) else {
+    let fading = (!views.fading_views.is_empty()).then_some(CasterLayer::Fading);
+    let layers: Vec<_> = [first, second, fading].into_iter().flatten().collect();
+    if layers.is_empty() {
         return;
-    };
+    }
     let pipelines = phase_pipelines(world, views);
     world.resource_scope(|world, mut variants: Mut<CasterVariants>| {
         let cache = world.resource::<PipelineCache>();
         for id in pipelines {
-            variants.add(cache, id, layer);
+            for layer in &layers {
+                variants.add(cache, id, *layer);
+            }
         }
         let bind_group = world.get::<ShadowAtlas>(camera).map(|atlas| {
             world.resource::<RenderDevice>().create_bind_group(
@@ -131,25 +149,37 @@ fn phase_pipelines(world: &World, views: &CasterViews) -> Vec<CachedRenderPipeli
 }
 
 impl CasterVariants {
-    fn add(&mut self, cache: &PipelineCache, id: CachedRenderPipelineId, layer: CasterLayer) {
+    fn add(&mut self, cache: &PipelineCache, original_id: CachedRenderPipelineId, layer: CasterLayer) {
         // The descriptor of a pipeline is kept from the frame after it was asked for; before, nothing is drawn with it.
-        if self.known.contains_key(&(id, layer)) || cache.get_render_pipeline(id).is_none() {
+        if self.known.contains_key(&(original_id, layer)) || cache.get_render_pipeline(original_id).is_none() {
             return;
         }
-        let original = cache.get_render_pipeline_descriptor(id);
-        let variant = match layer {
-            CasterLayer::BackFaces => back_faces(original).map(|descriptor| (descriptor, false)),
-            CasterLayer::Second => self.peeled(original, false).map(|descriptor| (descriptor, true)),
-            CasterLayer::Midpoint => self.peeled(original, true).map(|descriptor| (descriptor, true)),
+        let original = cache.get_render_pipeline_descriptor(original_id);
+        let queue = |descriptor| cache.queue_render_pipeline(descriptor);
+        let (descriptor, peels) = match layer {
+            CasterLayer::BackFaces => (back_faces(original), false),
+            CasterLayer::Second => (self.peeled(original, false), true),
+            CasterLayer::Midpoint => (self.peeled(original, true), true),
+            CasterLayer::Fading => {
+                let id = with_share(original).map(queue);
+                self.known
+                    .insert((original_id, layer), id.map(|id| Variant { id, peels: false }));
+                return;
+            }
         };
-        let variant = match variant {
-            Some((descriptor, peels)) => Variant {
-                id: cache.queue_render_pipeline(descriptor),
-                peels,
+        let variant = match descriptor.map(queue) {
+            Some(id) => Variant { id, peels },
+            None => Variant {
+                id: original_id,
+                peels: false,
             },
-            None => Variant { id, peels: false },
         };
-        self.known.insert((id, layer), variant);
+        self.known.insert((original_id, layer), Some(variant));
+    }
+
+    /// What draws a pipeline's casters in a layer.
+    fn variant(&self, original: CachedRenderPipelineId, layer: CasterLayer) -> Option<Variant> {
+        self.known.get(&(original, layer)).copied().flatten()
     }
 
     /// Both sides of what has no fragment shader, behind the first atlas.
@@ -186,27 +216,52 @@ fn back_faces(original: &RenderPipelineDescriptor) -> Option<RenderPipelineDescr
     Some(descriptor)
 }
 
+/// Casters that fade, with their shares; of others nothing.
+fn with_share(original: &RenderPipelineDescriptor) -> Option<RenderPipelineDescriptor> {
+    let fades = |fragment: &FragmentState| fragment.shader_defs.contains(&CASTS_SHARE.into());
+    if !original.fragment.as_ref().is_some_and(fades) {
+        return None;
+    }
+    let mut descriptor = original.clone();
+    descriptor.label = Some("umbrage_fading_casters".into());
+    descriptor
+        .fragment
+        .as_mut()?
+        .shader_defs
+        .push("UMBRAGE_FADING_MAP".into());
+    Some(descriptor)
+}
+
 /// Sets the pipeline of an item, in the variant of the view.
 pub struct SetCasterPipeline;
 
 impl<P: CachedRenderPipelinePhaseItem> RenderCommand<P> for SetCasterPipeline {
     type Param = (SRes<PipelineCache>, SRes<CasterVariants>);
-    type ViewQuery = Option<Read<CasterLayer>>;
+    type ViewQuery = (Option<Read<CasterLayer>>, Has<FadingApart>);
     type ItemQuery = ();
 
     fn render<'w>(
         item: &P,
-        layer: ROQueryItem<'w, '_, Self::ViewQuery>,
+        (layer, fading_is_apart): ROQueryItem<'w, '_, Self::ViewQuery>,
         _: Option<()>,
         (cache, variants): SystemParamItem<'w, '_, Self::Param>,
         pass: &mut TrackedRenderPass<'w>,
     ) -> RenderCommandResult {
+        let cache = cache.into_inner();
         let own = item.cached_pipeline();
+        // Until its variant is compiled, a fading caster is dithered into the maps of all.
+        let is_drawn_apart = || {
+            let variant = variants.variant(own, CasterLayer::Fading);
+            variant.is_some_and(|variant| cache.get_render_pipeline(variant.id).is_some())
+        };
+        if fading_is_apart && is_drawn_apart() {
+            return RenderCommandResult::Skip;
+        }
         let id = match layer {
             None => Some(own),
-            Some(layer) => variants.known.get(&(own, *layer)).map(|variant| variant.id),
+            Some(layer) => variants.variant(own, *layer).map(|variant| variant.id),
         };
-        match id.and_then(|id| cache.into_inner().get_render_pipeline(id)) {
+        match id.and_then(|id| cache.get_render_pipeline(id)) {
             Some(pipeline) => {
                 pass.set_render_pipeline(pipeline);
                 RenderCommandResult::Success
@@ -235,7 +290,7 @@ impl<P: PhaseItem + CachedRenderPipelinePhaseItem> RenderCommand<P> for SetCaste
         pass: &mut TrackedRenderPass<'w>,
     ) -> RenderCommandResult {
         let key = layer.map(|layer| (item.cached_pipeline(), *layer));
-        let peels = key.is_some_and(|key| variants.known.get(&key).is_some_and(|variant| variant.peels));
+        let peels = key.is_some_and(|(own, layer)| variants.variant(own, layer).is_some_and(|variant| variant.peels));
         match (peels, first_atlas) {
             (false, _) => SetPrepassViewEmptyBindGroup::<1>::render(item, (), None, empty, pass),
             (true, Some(first_atlas)) => {

@@ -76,6 +76,7 @@ impl Plugin for CasterPlugin {
         };
         render_app
             .init_resource::<CasterCulling>()
+            .init_resource::<layers::FadingCasters>()
             .init_resource::<CasterStatistics>()
             .init_resource::<bounds::MeshBounds>()
             .init_resource::<queue::PendingCasters>()

@@ -157,6 +157,8 @@ pub fn draw_casters(
     let first = (&atlas.view, &views.light_views, "umbrage_draw_casters");
     let second = atlas.second.as_ref();
     let second = second.map(|(_, view)| (view, &views.second_views, "umbrage_draw_second_casters"));
+    let fading = atlas.fading.as_ref().filter(|_| atlas.fades);
+    let fading = fading.map(|(_, view)| (view, &views.fading_views, "umbrage_draw_fading_casters"));
     // Spans of one name are samples of each other: those of all passes are one.
     let is_apart = together < matrices.len();
     if is_apart && let Some(recorder) = ctx.diagnostic_recorder() {
@@ -172,7 +174,7 @@ pub fn draw_casters(
         );
         // Until the draws exist (the first frames) the atlas is only cleared.
         let ready = cull_casters(world, &mut ctx, plan, &buffer, maps.len() as u32, start as u32);
-        for (target, light_views, label) in std::iter::once(first).chain(second) {
+        for (target, light_views, label) in std::iter::once(first).chain(second).chain(fading) {
             let diagnostics = ctx.diagnostic_recorder();
             let diagnostics = diagnostics.as_deref();
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {

@@ -102,7 +102,7 @@ pub fn plan_casters(world: &mut World) {
             buffer_bytes,
         },
     );
-    for light_views in [&views.light_views, &views.second_views] {
+    for light_views in [&views.light_views, &views.second_views, &views.fading_views] {
         for (index, light_view) in light_views.iter().enumerate() {
             world.entity_mut(*light_view).insert(LightViewDraws {
                 index: if is_apart { 0 } else { index as u32 },

@@ -17,7 +17,7 @@ use bevy::{
 
 use super::{
     CasterStatistics,
-    layers::CasterLayer,
+    layers::{CasterLayer, FadingApart},
     phase::{Caster, CollectBins},
 };
 use crate::{
@@ -34,6 +34,9 @@ const MASTER_SUBVIEW: u32 = 1000;
 
 /// Subview number of the first view of the second atlas.
 const SECOND_SUBVIEW: u32 = 1500;
+
+/// Subview number of the first view of fading casters.
+const FADING_SUBVIEW: u32 = 1750;
 
 /// Render views of a virtual map, which its tiles use in turn. Each has room for a draw of every caster.
 pub const TILE_SLOTS: usize = 16;
@@ -55,6 +58,8 @@ pub struct CasterViews {
     pub light_views: Vec<Entity>,
     /// The same again for the second atlas, if there is one.
     pub second_views: Vec<Entity>,
+    /// The same again for the atlas of fading casters, while some fade.
+    pub fading_views: Vec<Entity>,
     /// The phase was made in this frame: every visible caster has to be queued, not only new ones.
     pub fresh: bool,
 }
@@ -92,6 +97,7 @@ pub fn prepare_caster_views(
                 light: sun.light,
                 light_views: Vec::new(),
                 second_views: Vec::new(),
+                fading_views: Vec::new(),
                 fresh: true,
             },
         };
@@ -109,6 +115,8 @@ pub fn prepare_caster_views(
         resize(&mut commands, &mut views.light_views, count);
         let second_count = if second_layer.is_some() { count } else { 0 };
         resize(&mut commands, &mut views.second_views, second_count);
+        let fading_count = if atlas.fades { count } else { 0 };
+        resize(&mut commands, &mut views.fading_views, fading_count);
 
         commands.entity(views.master).insert((
             ExtractedView {
@@ -135,6 +143,7 @@ pub fn prepare_caster_views(
         for (entities, layer, first_number) in [
             (&views.light_views, first_layer, MASTER_SUBVIEW + 1),
             (&views.second_views, second_layer, SECOND_SUBVIEW),
+            (&views.fading_views, Some(CasterLayer::Fading), FADING_SUBVIEW),
         ] {
             // Slots of tiles get their matrices when they are drawn.
             let light_views = sun.light_views.iter().enumerate().cycle();
@@ -147,6 +156,11 @@ pub fn prepare_caster_views(
                     Some(layer) => entity.insert(layer),
                     None => entity.remove::<CasterLayer>(),
                 };
+                if atlas.fades && layer != Some(CasterLayer::Fading) {
+                    entity.insert(FadingApart);
+                } else {
+                    entity.remove::<FadingApart>();
+                }
             }
         }
         // Bevy's preprocessing fills the mesh uniforms of all directional views in this list.
@@ -166,6 +180,7 @@ pub fn prepare_caster_views(
         if let Some(views) = owned.remove(&camera) {
             for entity in (views.light_views.into_iter())
                 .chain(views.second_views)
+                .chain(views.fading_views)
                 .chain([views.master])
             {
                 commands.entity(entity).despawn();

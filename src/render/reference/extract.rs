@@ -8,6 +8,7 @@ use bevy::{
     math::{Affine3A, Mat4, Vec2, Vec3},
     mesh::{
         Indices, PrimitiveTopology, VertexAttributeValues,
+        morph::{MeshMorphWeights, MorphWeights},
         skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
     },
     prelude::*,
@@ -40,7 +41,8 @@ pub enum TruthError {
 /// Alpha below which Bevy's shadow pass drops the fragments of blended materials.
 const BLEND_CUTOFF: f32 = 0.05;
 
-/// All visible meshes of the main world, skinned ones in the pose of the last transform propagation. Meshes without a
+/// All visible meshes of the main world, skinned ones in the pose of the last transform propagation, morphed ones by the
+/// weights of their own. Meshes without a
 /// triangle and those that are still being loaded are left out.
 ///
 /// With a camera, levels of detail ([`VisibilityRange`]) are those that its last frame drew, and what is on other
@@ -56,7 +58,7 @@ pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthSce
         &GlobalTransform,
         &InheritedVisibility,
         Option<&MeshMaterial3d<StandardMaterial>>,
-        Option<&SkinnedMesh>,
+        (Option<&SkinnedMesh>, Option<&MeshMorphWeights>),
         (Has<NotShadowCaster>, Has<Silenced>, Has<ShadowOnly>),
         Has<VisibilityRange>,
         Option<&RenderLayers>,
@@ -79,7 +81,9 @@ pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthSce
     let mut known_meshes: HashMap<AssetId<Mesh>, Option<Arc<TruthMesh>>> = HashMap::new();
     let mut known_masks: HashMap<AssetId<StandardMaterial>, Option<Arc<AlphaMask>>> = HashMap::new();
     let mut instances = Vec::new();
-    for (entity, handle, transform, visibility, material, skin, casting, has_range, layers) in drawn.iter(world) {
+    for (entity, handle, transform, visibility, material, (skin, morph), casting, has_range, layers) in
+        drawn.iter(world)
+    {
         let Some(mesh) = meshes.and_then(|meshes| meshes.get(&handle.0)) else {
             continue;
         };
@@ -88,12 +92,15 @@ pub fn truth_scene(world: &mut World, camera: Option<Entity>) -> Result<TruthSce
             continue;
         }
         let pose = skin.and_then(|skin| joints_of(world, skin));
-        let truth_mesh = match (&pose, known_meshes.get(&handle.id())) {
-            (Some(pose), _) => triangles(mesh, Some(pose))?,
-            (None, Some(known)) => known.clone(),
-            (None, None) => {
-                let new = triangles(mesh, None)?;
-                known_meshes.insert(handle.id(), new.clone());
+        let weights = morph.map_or(&[][..], |morph| weights_of(world, morph));
+        let is_moved = pose.is_some() || weights.iter().any(|weight| *weight != 0.0);
+        let truth_mesh = match known_meshes.get(&handle.id()) {
+            Some(known) if !is_moved => known.clone(),
+            _ => {
+                let new = triangles(mesh, pose.as_ref(), weights)?;
+                if !is_moved {
+                    known_meshes.insert(handle.id(), new.clone());
+                }
                 new
             }
         };
@@ -143,7 +150,16 @@ fn joints_of(world: &World, skin: &SkinnedMesh) -> Option<Vec<Mat4>> {
         .collect()
 }
 
-fn triangles(mesh: &Mesh, joints: Option<&Vec<Mat4>>) -> Result<Option<Arc<TruthMesh>>, TruthError> {
+/// Weights of a mesh's morph targets.
+fn weights_of<'a>(world: &'a World, morph: &'a MeshMorphWeights) -> &'a [f32] {
+    match morph {
+        MeshMorphWeights::Value { weights } => weights,
+        MeshMorphWeights::Reference(entity) => world.get::<MorphWeights>(*entity).map_or(&[], MorphWeights::weights),
+    }
+}
+
+/// Morphed first, then skinned, as Bevy does.
+fn triangles(mesh: &Mesh, joints: Option<&Vec<Mat4>>, weights: &[f32]) -> Result<Option<Arc<TruthMesh>>, TruthError> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return Err(TruthError::Topology(mesh.primitive_topology()));
     }
@@ -152,6 +168,17 @@ fn triangles(mesh: &Mesh, joints: Option<&Vec<Mat4>>) -> Result<Option<Arc<Truth
         return Ok(None);
     };
     let mut positions: Vec<Vec3> = positions.iter().copied().map(Vec3::from).collect();
+    if weights.iter().any(|weight| *weight != 0.0)
+        && mesh.try_has_morph_targets().map_err(|_| TruthError::MeshNotReadable)?
+    {
+        // One target after the other, each with a step of every vertex.
+        let targets = mesh.try_morph_targets().map_err(|_| TruthError::MeshNotReadable)?;
+        for (target, weight) in targets.chunks(positions.len().max(1)).zip(weights) {
+            for (position, step) in positions.iter_mut().zip(target) {
+                *position += *weight * step.position;
+            }
+        }
+    }
     if let (
         Some(joints),
         Some(VertexAttributeValues::Uint16x4(indices)),

@@ -13,26 +13,26 @@ use crate::lod::chain::LodCoat;
 #[derive(Component, Clone, Debug)]
 pub(super) struct Undressed(Handle<StandardMaterial>);
 
-/// One fading material per base material and rank, shared by all parts.
+/// One fading material per base material and way to fade, shared by all parts.
 #[derive(Resource, Default)]
-pub(super) struct FadingMaterials(HashMap<(AssetId<StandardMaterial>, bool), Handle<FadingMaterial>>);
+pub(super) struct FadingMaterials(HashMap<(AssetId<StandardMaterial>, Fading), Handle<FadingMaterial>>);
 
 impl FadingMaterials {
     fn of(
         &mut self,
         base: &Handle<StandardMaterial>,
-        wins_ties: bool,
+        extension: Fading,
         materials: &Assets<StandardMaterial>,
         fading: &mut Assets<FadingMaterial>,
     ) -> Option<Handle<FadingMaterial>> {
-        if let Some(known) = self.0.get(&(base.id(), wins_ties)) {
+        if let Some(known) = self.0.get(&(base.id(), extension)) {
             return Some(known.clone());
         }
         let handle = fading.add(FadingMaterial {
             base: materials.get(base)?.clone(),
-            extension: Fading { wins_ties },
+            extension,
         });
-        self.0.insert((base.id(), wins_ties), handle.clone());
+        self.0.insert((base.id(), extension), handle.clone());
         Some(handle)
     }
 }
@@ -47,8 +47,8 @@ pub(super) fn follow_base_materials(
     for event in events.read() {
         match event {
             AssetEvent::Modified { id } => {
-                for wins_ties in [false, true] {
-                    let handle = known.0.get(&(*id, wins_ties));
+                for extension in Fading::ALL {
+                    let handle = known.0.get(&(*id, extension));
                     let copy = handle.and_then(|handle| fading.get_mut(handle));
                     if let (Some(mut copy), Some(base)) = (copy, materials.get(*id)) {
                         copy.base = base.clone();
@@ -56,8 +56,9 @@ pub(super) fn follow_base_materials(
                 }
             }
             AssetEvent::Removed { id } => {
-                known.0.remove(&(*id, false));
-                known.0.remove(&(*id, true));
+                for extension in Fading::ALL {
+                    known.0.remove(&(*id, extension));
+                }
             }
             AssetEvent::Added { .. } | AssetEvent::Unused { .. } | AssetEvent::LoadedWithDependencies { .. } => {}
         }
@@ -94,7 +95,11 @@ pub(super) fn dress_parts(
                 continue;
             }
         };
-        let Some(wanted) = known.of(base, coat.wins_ties, &materials, &mut fading) else {
+        let extension = Fading {
+            wins_ties: coat.wins_ties,
+            dithers_shadow: coat.dithers_shadow,
+        };
+        let Some(wanted) = known.of(base, extension, &materials, &mut fading) else {
             continue;
         };
         let wanted_tag = tag(coat, layers.of(coat));

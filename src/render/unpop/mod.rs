@@ -7,7 +7,8 @@
 //! Core3d      depth prepass: opaque levels
 //!             └─► nearest: depth, normal and level of the nearest fading surface of every pixel,
 //!                 in layers of objects that may stand before each other                               layers, nearest
-//!             └─► casters: fading levels through as many texels as they are opaque                     shaders/unpop/cast
+//!             └─► casters: fading levels into maps of their own, depth and share; into Bevy's
+//!                 through as many texels as they are opaque                     caster::layers, shaders/unpop/cast
 //!             └─► apply: shadow results of opaque surfaces, and of the nearest fading ones                      apply
 //!             opaque levels, sky
 //!             └─► transparent things from far to near, fading levels among them: depth test, no depth writes, alpha
@@ -34,13 +35,13 @@ use bevy::{
     log::warn,
     prelude::*,
     render::{
-        ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand,
+        Extract, ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand,
         renderer::RenderDevice,
     },
 };
 
-use super::SunShadowPasses;
-use crate::lod::LodSystems;
+use super::{SunShadowPasses, caster::layers::FadingCasters};
+use crate::lod::{LodSystems, chain::LodCoat};
 
 /// Draws fading levels of detail. Needs [`LodPlugin`](crate::lod::LodPlugin), [`RenderPlugin`](super::RenderPlugin) and
 /// Bevy's PBR plugins.
@@ -62,7 +63,7 @@ impl Plugin for UnpopPlugin {
                 .init_resource::<nearest::NearestPipelines>()
                 .init_resource::<layers::ExtractedLayers>()
                 .add_render_command::<Transparent3d, draw::DrawFading>()
-                .add_systems(ExtractSchedule, layers::extract_layers)
+                .add_systems(ExtractSchedule, (layers::extract_layers, extract_fading_casters))
                 .add_systems(
                     RenderStartup,
                     (surfaces::init_no_surfaces, layers::init_layer_bind_groups),
@@ -111,4 +112,12 @@ impl Plugin for UnpopPlugin {
                 .before(AssetEventSystems),
         );
     }
+}
+
+/// Tells the render world whether a caster takes a share of the light.
+fn extract_fading_casters(
+    parts: Extract<Query<&LodCoat, With<MeshMaterial3d<material::FadingMaterial>>>>,
+    mut fading: ResMut<FadingCasters>,
+) {
+    fading.0 = parts.iter().any(|coat| coat.shadow > 0.0 && !coat.dithers_shadow);
 }

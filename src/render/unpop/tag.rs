@@ -30,6 +30,7 @@ mod tests {
             alpha: 1.0,
             shadow: 0.0,
             wins_ties: false,
+            dithers_shadow: false,
             object: 513,
         };
         assert_eq!(tag(&coat, 0).0, 1023 | 1 << 20);

@@ -61,7 +61,7 @@ use self::{
 };
 use super::{
     SunShadowPasses,
-    atlas::{RESULT_FORMAT, ShadowResult},
+    atlas::{RESULT_FORMAT, ShadowAtlas, ShadowResult},
     caster::{CasterStatistics, pass::storage_buffer, plan::CasterPlan, prepare::TILE_SLOTS},
     extract::ExtractedSun,
     gpu_types::GpuTileReport,
@@ -193,9 +193,11 @@ impl TileFrame<'_> {
     /// Makes textures for tiles of some sizes, within [`texture_budget`](Self::texture_budget).
     pub fn prepare_textures(&mut self, sizes: &[UVec2]) {
         let budget = self.texture_budget();
+        let fades = self.world.get::<ShadowAtlas>(self.camera);
+        let fades = fades.is_some_and(|atlas| atlas.fades);
         self.map
             .textures
-            .prepare(self.world.resource::<RenderDevice>(), sizes, budget);
+            .prepare(self.world.resource::<RenderDevice>(), sizes, budget, fades);
         self.report.texture_bytes = self.map.textures.bytes();
     }
 

@@ -73,6 +73,7 @@ pub fn init_tile_pipelines(
                 texture_2d(TextureSampleType::Float { filterable: false }),
                 storage_buffer_read_only::<ApplyParameters>(false),
                 texture_depth_2d(),
+                texture_depth_2d(),
                 storage_buffer_read_only::<GpuShadowTile>(true),
             ),
         )
@@ -81,8 +82,8 @@ pub fn init_tile_pipelines(
             let counting = BindGroupLayoutEntries::with_indices(
                 ShaderStages::FRAGMENT,
                 (
-                    (6, texture_2d(TextureSampleType::Float { filterable: false })),
-                    (7, storage_buffer_sized(false, None)),
+                    (7, texture_2d(TextureSampleType::Float { filterable: false })),
+                    (8, storage_buffer_sized(false, None)),
                 ),
             );
             entries.extend_from_slice(&counting);
@@ -169,15 +170,17 @@ pub(super) fn record_tiles(world: &World, ctx: &mut RenderContext, camera: Entit
             return false;
         }
         first_counter += count;
-        for (slot, (_, offset)) in recording.slots.iter().take(wave.len()).enumerate() {
-            // `clip_from_world` is the first field of a view.
-            ctx.command_encoder().copy_buffer_to_buffer(
-                &matrices,
-                slot as u64 * MATRIX_BYTES,
-                recording.view_buffer,
-                u64::from(*offset),
-                MATRIX_BYTES,
-            );
+        for slots in [&recording.slots, &recording.fading_slots] {
+            for (slot, (_, offset)) in slots.iter().take(wave.len()).enumerate() {
+                // `clip_from_world` is the first field of a view.
+                ctx.command_encoder().copy_buffer_to_buffer(
+                    &matrices,
+                    slot as u64 * MATRIX_BYTES,
+                    recording.view_buffer,
+                    u64::from(*offset),
+                    MATRIX_BYTES,
+                );
+            }
         }
         let mut drawn: Vec<DrawnTile> = Vec::new();
         for (slot, index) in wave.iter().enumerate() {
@@ -194,7 +197,11 @@ pub(super) fn record_tiles(world: &World, ctx: &mut RenderContext, camera: Entit
             let Some(texture) = texture else {
                 continue;
             };
-            recording.draw(world, ctx, draw, recording.slots[slot].0, list.textures.get(texture));
+            let target = list.textures.get(texture);
+            recording.draw(world, ctx, draw, recording.slots[slot].0, &target.depth);
+            if let (Some(fading), Some((slot, _))) = (&target.fading, recording.fading_slots.get(slot)) {
+                recording.draw(world, ctx, draw, *slot, fading);
+            }
             drawn.push(DrawnTile {
                 index: *index,
                 texture,
@@ -230,6 +237,8 @@ struct Recording<'a> {
     views: &'a CasterViews,
     /// Render views that tiles use in turn, and where their uniforms lie in `view_buffer`.
     slots: Vec<(Entity, u32)>,
+    /// The same again for casters that fade, while some do.
+    fading_slots: Vec<(Entity, u32)>,
     view_buffer: &'a Buffer,
     camera: &'a ExtractedCamera,
     view_offset: u32,
@@ -248,10 +257,12 @@ impl<'a> Recording<'a> {
     fn new(world: &'a World, device: &RenderDevice, camera: Entity, list: &TileList) -> Option<Self> {
         let camera = world.get_entity(camera).ok()?;
         let (views, plan) = (camera.get::<CasterViews>()?, camera.get::<CasterPlan>()?);
-        let slots = views.light_views.iter().take(plan.slots as usize);
-        let slots: Option<Vec<_>> = slots
-            .map(|slot| Some((*slot, world.get::<ViewUniformOffset>(*slot)?.offset)))
-            .collect();
+        let slots = |views: &[Entity]| -> Option<Vec<_>> {
+            let slots = views.iter().take(plan.slots as usize);
+            slots
+                .map(|slot| Some((*slot, world.get::<ViewUniformOffset>(*slot)?.offset)))
+                .collect()
+        };
         let pipelines = world.resource::<TilePipelines>();
         let cache = world.resource::<PipelineCache>();
         let apply = |counts: bool| {
@@ -270,7 +281,8 @@ impl<'a> Recording<'a> {
             maps: maps.collect(),
             plan,
             views,
-            slots: slots.filter(|slots| !slots.is_empty())?,
+            slots: slots(&views.light_views).filter(|slots| !slots.is_empty())?,
+            fading_slots: slots(&views.fading_views).unwrap_or_default(),
             view_buffer: view_uniforms.buffer()?,
             camera: camera.get()?,
             view_offset: camera.get::<ViewUniformOffset>()?.offset,
@@ -416,7 +428,10 @@ impl<'a> Recording<'a> {
         let layout = self.apply[number.min(1)].0;
         let layout = world.resource::<PipelineCache>().get_bind_group_layout(layout);
         let Receiver { depth, normals, .. } = *self.receivers.get(number)?;
-        let tile_depths = &list.textures.get(texture).1;
+        let texture = list.textures.get(texture);
+        let tile_depths = &texture.depth.1;
+        // Where nothing fades it is not read.
+        let fading_depths = texture.fading.as_ref().map_or(tile_depths, |(_, view)| view);
         let tile = BindingResource::Buffer(BufferBinding {
             buffer: &self.tiles,
             offset: 0,
@@ -428,6 +443,7 @@ impl<'a> Recording<'a> {
             normals,
             self.parameters.clone(),
             tile_depths,
+            fading_depths,
             tile,
         ));
         let mut entries: Vec<BindGroupEntry> = common.to_vec();
@@ -435,7 +451,7 @@ impl<'a> Recording<'a> {
             && let Some(counting) = &list.counting
         {
             let more =
-                BindGroupEntries::with_indices(((6, counting.old_result), (7, counting.reports.as_entire_binding())));
+                BindGroupEntries::with_indices(((7, counting.old_result), (8, counting.reports.as_entire_binding())));
             entries.extend(more.to_vec());
         }
         let device = ctx.render_device();

@@ -21,48 +21,72 @@ const MAX_COPIES: usize = TILE_SLOTS;
 
 /// Depth textures for tiles.
 #[derive(Debug, Default)]
-pub struct TileTextures(Vec<(Texture, TextureView)>);
+pub struct TileTextures(Vec<TileTexture>);
+
+/// What a tile is drawn into.
+#[derive(Debug)]
+pub struct TileTexture {
+    /// Depths of opaque casters.
+    pub depth: (Texture, TextureView),
+    /// Depths and shares of casters that fade, while some do.
+    pub fading: Option<(Texture, TextureView)>,
+}
+
+impl TileTexture {
+    /// Texels.
+    pub fn size(&self) -> UVec2 {
+        size_of(&self.depth.0)
+    }
+}
 
 impl TileTextures {
     /// Makes, keeps or drops textures for tiles of some sizes: one of each size as far as the budget in bytes goes, from
     /// the largest down, else tiles use the corner of a larger one. What is left of the budget goes to copies, of the smallest
     /// first, so that many tiles can be applied together.
     ///
-    /// The largest is made even if it does not fit: that is for the caller to avoid.
-    pub fn prepare(&mut self, device: &RenderDevice, sizes: &[UVec2], budget_bytes: u64) {
-        let wanted = affordable(sizes, budget_bytes);
+    /// The largest is made even if it does not fit: that is for the caller to avoid. `fades`: whether casters fade, which
+    /// takes half of the budget.
+    pub fn prepare(&mut self, device: &RenderDevice, sizes: &[UVec2], budget_bytes: u64, fades: bool) {
+        let wanted = affordable(sizes, if fades { budget_bytes / 2 } else { budget_bytes });
         let mut old = std::mem::take(&mut self.0);
         for size in wanted {
-            let known = old.iter().position(|(texture, _)| size_of(texture) == size);
-            self.0.push(match known {
-                Some(index) => old.swap_remove(index),
-                None => create_target(device, "umbrage_tile", size, ATLAS_FORMAT),
-            });
+            let known = old.iter().position(|texture| texture.size() == size);
+            let mut texture = known.map_or_else(
+                || TileTexture {
+                    depth: create_target(device, "umbrage_tile", size, ATLAS_FORMAT),
+                    fading: None,
+                },
+                |index| old.swap_remove(index),
+            );
+            let create = || create_target(device, "umbrage_fading_tile", size, ATLAS_FORMAT);
+            texture.fading = fades.then(|| texture.fading.unwrap_or_else(create));
+            self.0.push(texture);
         }
     }
 
     /// The smallest free texture that holds a tile of a size: its number.
     pub fn smallest_for(&self, size: UVec2, is_free: impl Fn(usize) -> bool) -> Option<usize> {
         let textures = self.0.iter().enumerate();
-        let fitting = textures.filter(|(index, (texture, _))| is_free(*index) && size_of(texture).cmpge(size).all());
-        let smallest = fitting.min_by_key(|(_, (texture, _))| bytes(size_of(texture)));
+        let fitting = textures.filter(|(index, texture)| is_free(*index) && texture.size().cmpge(size).all());
+        let smallest = fitting.min_by_key(|(_, texture)| bytes(texture.size()));
         smallest.map(|(index, _)| index)
     }
 
     /// One of them, the largest first.
-    pub fn get(&self, index: usize) -> &(Texture, TextureView) {
+    pub fn get(&self, index: usize) -> &TileTexture {
         &self.0[index]
     }
 
     /// The largest of them.
     pub fn largest(&self) -> Option<&Texture> {
-        self.0.first().map(|(texture, _)| texture)
+        self.0.first().map(|texture| &texture.depth.0)
     }
 
     /// Bytes of all of them.
     pub fn bytes(&self) -> u64 {
-        let sizes = self.0.iter().map(|(texture, _)| bytes(size_of(texture)));
-        sizes.sum()
+        let copies = |texture: &TileTexture| 1 + u64::from(texture.fading.is_some());
+        let textures = self.0.iter();
+        textures.map(|texture| copies(texture) * bytes(texture.size())).sum()
     }
 }
 

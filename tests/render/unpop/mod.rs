@@ -32,6 +32,7 @@ use crate::harness::{Harness, WARM_UP};
 
 mod crowns;
 mod kinds;
+mod shadows;
 
 const SIZE: UVec2 = UVec2::new(96, 54);
 const BORDER: f64 = 10.0;
