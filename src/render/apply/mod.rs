@@ -215,6 +215,10 @@ fn apply_views(
     ) else {
         return;
     };
+    // Spans of one name are samples of each other: those of all receivers are one.
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let span = diagnostics.time_span(ctx.command_encoder(), "umbrage_apply_views");
     for Receiver { depth, normals, result } in receivers(world, view_entity) {
         let bind_group = ctx.render_device().create_bind_group(
             "umbrage_apply_views",
@@ -228,8 +232,6 @@ fn apply_views(
                 atlas.fading_view(),
             )),
         );
-        let diagnostics = ctx.diagnostic_recorder();
-        let diagnostics = diagnostics.as_deref();
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("umbrage_apply_views"),
             color_attachments: &[Some(RenderPassColorAttachment {
@@ -246,13 +248,12 @@ fn apply_views(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        let span = diagnostics.pass_span(&mut pass, "umbrage_apply_views");
         if let Some(viewport) = &camera.viewport {
             pass.set_camera_viewport(viewport);
         }
         pass.set_render_pipeline(render_pipeline);
         pass.set_bind_group(0, &bind_group, &[view_offset.offset]);
         pass.draw(0..3, 0..1);
-        span.end(&mut pass);
     }
+    span.end(ctx.command_encoder());
 }

@@ -110,8 +110,10 @@ pub(super) fn draw_nearest(
     let (Some(fading), Some(bevys)) = (items.function(), functions.read().get_id::<DrawMaterial>()) else {
         return;
     };
+    // Spans of one name are samples of each other: those of all layers are one.
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
+    let span = diagnostics.time_span(ctx.command_encoder(), "umbrage_draw_nearest_fading");
     for (layer, depth) in surfaces.depth.each.iter().enumerate() {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("umbrage_draw_nearest_fading"),
@@ -135,7 +137,6 @@ pub(super) fn draw_nearest(
         let (true, Some(bind_group)) = (layer < in_use.0 as usize, bind_groups.0.get(layer)) else {
             continue;
         };
-        let span = diagnostics.pass_span(&mut pass, "umbrage_draw_nearest_fading");
         if let Some(viewport) = &camera.viewport {
             pass.set_camera_viewport(viewport);
         }
@@ -144,8 +145,8 @@ pub(super) fn draw_nearest(
             let variant = variants.0.get(&item.pipeline).filter(|_| item.draw_function == fading);
             variant.map(|pipeline| (*pipeline, bevys))
         });
-        span.end(&mut pass);
     }
+    span.end(ctx.command_encoder());
 }
 
 fn cleared(view: &TextureView) -> Option<RenderPassColorAttachment<'_>> {
