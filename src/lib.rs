@@ -59,7 +59,7 @@ pub mod prelude {
             measured::{MeasureUse, MeasuredDepths, NearMeasurement},
             settings::{
                 PartitionSelection, Partitions, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore,
-                SunShadows, WithoutSunShadows,
+                SunShadows, TransparentLayers, WithoutSunShadows,
             },
             stable::Stability,
             technique::Technique,

@@ -1,8 +1,8 @@
 
 // Added by Umbrage. The lookup above keeps its body under the name `fetch_directional_shadow_bevy`; this one takes its
 // place for lights whose second cascade is the layer of the shadow result: its far bound is exactly 1e9 m and its texels
-// are of a millimetre, which no stock cascade can be (`shadow::full` writes both). A third one is that of the nearest
-// transparent surfaces, packed by `write_second_layer.wgsl`.
+// are of a millimetre, which no stock cascade can be (`shadow::full` writes both). A third one is that of transparent
+// surfaces, packed by `write_second_layer.wgsl`.
 #ifdef UMBRAGE_FADING
 @group(4) @binding(3) var umbrage_fading_depth: texture_depth_2d_array;
 @group(4) @binding(2) var umbrage_fading_result: texture_2d_array<f32>;
@@ -14,6 +14,8 @@ const UMBRAGE_SAME_SURFACE: f32 = 0.01;
 
 // Share of the depth. Eight bits less leave it to 1.5e-5.
 const UMBRAGE_SAME_TRANSPARENT: f32 = 0.001;
+// What is nearer to the opaque surface than this share is that surface, also where something transparent is as near.
+const UMBRAGE_SURELY_SAME: f32 = 0.0001;
 
 fn fetch_directional_shadow(
     light_id: u32,
@@ -32,7 +34,8 @@ fn fetch_directional_shadow(
     let pixel = vec2<i32>(frag_coord_xy);
     let prepass_ndc = textureLoad(view_bindings::depth_prepass_texture, pixel, 0);
     let prepass_view_z = view_transformations::depth_ndc_to_view_z(prepass_ndc);
-    // Fragments that are neither the surface of the depth prepass nor the nearest transparent one have no shadow result.
+    // Fragments that are neither the surface of the depth prepass nor the transparent one of the layer have no shadow
+    // result.
     //
     // NOTE: one branch, which depends on the pixel. Of branches on uniform values alone a software driver compiles a
     // shader for every value of the buffer that it meets and keeps them all (155 in 15 s of a walk through the city).
@@ -47,8 +50,10 @@ fn fetch_directional_shadow(
         }
     }
 #endif
-    let tolerance = select(-1.0, UMBRAGE_SAME_SURFACE * abs(prepass_view_z), is_result);
-    if abs(prepass_view_z - view_z) <= tolerance {
+    // Where nothing is opaque, its depth is 0 and its distance infinite, to which no share is too large.
+    let has_opaque = is_result & (prepass_ndc > 0.0);
+    let off = select(1.0, abs(prepass_view_z - view_z) / abs(prepass_view_z), has_opaque);
+    if off <= UMBRAGE_SURELY_SAME {
         return textureLoad(view_bindings::directional_shadow_textures, pixel, first_layer + i32(own), 0);
     }
     let packed = bitcast<u32>(textureLoad(view_bindings::directional_shadow_textures, pixel, first_layer + i32(last), 0));
@@ -58,6 +63,9 @@ fn fetch_directional_shadow(
         select(-1.0, UMBRAGE_SAME_TRANSPARENT * abs(second_view_z), is_result & (last == 2u) & (second_ndc > 0.0));
     if abs(second_view_z - view_z) <= second_tolerance {
         return f32(packed & 0xffu) / 255.0;
+    }
+    if off <= UMBRAGE_SAME_SURFACE {
+        return textureLoad(view_bindings::directional_shadow_textures, pixel, first_layer + i32(own), 0);
     }
 #endif
 #endif

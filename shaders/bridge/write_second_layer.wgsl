@@ -1,4 +1,4 @@
-// Packs the nearest transparent surfaces into a layer of the sun's shadow maps: depth, and the shadow result in its last
+// Packs transparent surfaces into a layer of the sun's shadow maps: depth, and the shadow result in its last
 // eight bits. `fetch_shadow.wgsl` takes both apart.
 
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput

@@ -16,7 +16,7 @@ use super::{
     blur::BlurTarget,
     caster::{CasterStatistics, prepare::CasterViews},
     history::HistoryTargets,
-    transparent::TransparentLayer,
+    transparent::TransparentSurfaces,
     virtual_map::report::VirtualMapReports,
 };
 
@@ -27,7 +27,7 @@ pub struct ShadowCost {
     pub bevy_maps: u64,
     /// [`ShadowAtlas`], both where there are two; of a virtual map the tile textures alive at once and its other buffers.
     pub atlas: u64,
-    /// [`ShadowResult`], the texture that its blur goes to and fro between, its history, and the layer of transparent surfaces.
+    /// [`ShadowResult`], the texture that its blur goes to and fro between, its history, and the layers of transparent surfaces.
     pub result: u64,
     /// Indirect draws of the caster phase and their counts.
     pub caster_buffers: u64,
@@ -80,8 +80,10 @@ pub fn shadow_cost(render_world: &World, camera_render_entity: Entity) -> Shadow
             + camera
                 .get::<HistoryTargets>()
                 .map_or(0, |targets| targets.textures.iter().map(texture_bytes).sum())
-            + camera.get::<TransparentLayer>().map_or(0, |layer| {
-                texture_bytes(&layer.depth.0) + texture_bytes(&layer.result.0)
+            + camera.get::<TransparentSurfaces>().map_or(0, |surfaces| {
+                let layers = surfaces.layers.iter().flat_map(|layer| [&layer.depth, &layer.result]);
+                let textures = layers.chain(&surfaces.depth_test);
+                textures.map(|(texture, _)| texture_bytes(texture)).sum()
             }),
         caster_buffers: counts.buffer_bytes,
         bevy_draw_calls: lights.map_or(0, |lights| bevy_draw_calls(render_world, lights)),

@@ -17,14 +17,15 @@
 //!             └─► blur:  the same, to and fro, if asked for                                  blur
 //!             └─► bridge: result ──► the sun's extra shadow layer                            bridge
 //!             Bevy's main pass, forward or deferred, any material, reads the layer
+//!             └─► transparent layers: what is transparent, layer by layer, if asked for      transparent
 //! ```
 //!
 //! Suns on the drop-in path only get their casters biased ([`drop_in`]).
 //!
 //! Levels of detail that take each other's place are drawn by [`unpop`].
 //!
-//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`cost`], [`drop_in`], [`mask`], [`spans`] and
-//! [`unpop`].
+//! All contact with Bevy's semi-internal types sits in [`bridge`], [`caster`], [`cost`], [`drop_in`], [`mask`], [`spans`],
+//! [`transparent`] and [`unpop`].
 
 pub mod apply;
 pub mod atlas;

@@ -8,7 +8,7 @@ use bevy::{
 
 use super::{
     atlas::ShadowResult,
-    transparent::TransparentLayer,
+    transparent::TransparentSurfaces,
     unpop::{layers::ExtractedLayers, surfaces::FadingSurfaces},
 };
 
@@ -24,7 +24,7 @@ pub(super) struct Receiver<'a> {
 }
 
 /// The pictures of a camera in this frame: that of the depth prepass first, then the nearest fading levels of detail by
-/// layer, then the nearest transparent surfaces. Empty while something is missing.
+/// layer, then transparent surfaces by layer. Empty while something is missing.
 pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
     let all = || {
         let prepass = world.get::<ViewPrepassTextures>(camera)?;
@@ -46,11 +46,15 @@ pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
             })
             .take(in_use as usize)
             .map(|((depth, normals), result)| Receiver { depth, normals, result });
-        let transparent = world.get::<TransparentLayer>(camera).map(|layer| Receiver {
-            depth: &layer.depth.1,
-            normals: no_normals,
-            result: &layer.result.1,
-        });
+        let transparent = world.get::<TransparentSurfaces>(camera);
+        let transparent = transparent
+            .into_iter()
+            .flat_map(|surfaces| &surfaces.layers)
+            .map(|layer| Receiver {
+                depth: &layer.depth.1,
+                normals: no_normals,
+                result: &layer.result.1,
+            });
         Some(std::iter::once(opaque).chain(fading).chain(transparent).collect())
     };
     all().unwrap_or_default()

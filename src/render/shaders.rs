@@ -69,6 +69,8 @@ pub(crate) fn embed(app: &mut App) {
     embed_shader!(registry, "heat_map/sampling_rate.wgsl");
     embed_shader!(registry, "heat_map/texel_ratio.wgsl");
     embed_shader!(registry, "light_plane/see_blocks.wgsl");
+    embed_shader!(registry, "transparent/peel.wgsl");
+    embed_shader!(registry, "transparent/select_layer.wgsl");
     embed_shader!(registry, "virtual_map/apply_tile.wgsl");
     embed_shader!(registry, "virtual_map/show_tiles.wgsl");
     embed_shader!(registry, "virtual_map/needs.wgsl");

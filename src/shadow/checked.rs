@@ -5,7 +5,10 @@ use std::ops::RangeInclusive;
 use super::{
     correction::Correction,
     measured::MeasuredDepths,
-    settings::{Faces, MapResolution, SeamWidth, Seams, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows},
+    settings::{
+        Faces, MapResolution, SeamWidth, Seams, ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, SunShadows,
+        TransparentLayers,
+    },
     stable::Stability,
     virtual_maps,
 };
@@ -48,6 +51,9 @@ pub fn checked(settings: &SunShadows) -> (SunShadows, Vec<Correction>) {
         }
     };
     clamp(&mut settings.map_size, MAP_SIZES, Correction::MapSize);
+    if let TransparentLayers::All { count } = &mut settings.transparent_layers {
+        clamp(count, TransparentLayers::COUNTS, Correction::TransparentLayers);
+    }
     match (settings.path, settings.partitions.faces) {
         (ShadowPath::Full, Faces::Together) => clamp(
             &mut settings.partitions.count,
@@ -392,6 +398,18 @@ mod tests {
             (right.bias, corrections),
             (ShadowBias::default(), vec![Correction::DropInBias])
         );
+    }
+
+    #[test]
+    fn transparent_layers_are_limited() {
+        for (count, nearest) in [(0, 1), (99, 8)] {
+            let (right, corrections) = checked(&SunShadows {
+                transparent_layers: TransparentLayers::All { count },
+                ..SunShadows::HIGH
+            });
+            assert_eq!(right.transparent_layers, TransparentLayers::All { count: nearest });
+            assert_eq!(corrections, [Correction::TransparentLayers]);
+        }
     }
 
     #[test]

@@ -94,6 +94,9 @@ pub enum Correction {
     /// `blur`.
     #[error("SunShadows::blur: iterations must be 0 to 16 and full_depth more than 0: the nearest, or 10 m, are used")]
     Blur,
+    /// `transparent_layers`.
+    #[error("SunShadows::transparent_layers: all takes 1 to 8 layers: the nearest is used")]
+    TransparentLayers,
     /// `stable` and `warp`.
     #[error(
         "SunShadows::stable: bounding spheres and quantised scales take no warp, because a warped grid cannot be shifted by whole texels: the warp is left out"

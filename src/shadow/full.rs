@@ -4,7 +4,7 @@
 //! the fallback for transparent surfaces; its frustum contains every caster of every partition, so Bevy's culling of it
 //! yields the set of casters. The second, the *mask layer*, contains nothing: the render room writes the shadow result
 //! into its depth texture, and finds it by its far bound. Where the settings ask for it, a third one of the same kind
-//! carries the nearest transparent surfaces.
+//! carries transparent surfaces, layer by layer.
 
 use bevy::{
     light::{CascadeShadowConfig, Cascades, cascade::Cascade},

@@ -14,7 +14,7 @@ use super::{
     light_plane::{LightPlaneInput, LightPlaneStates, SeenSurfaces, clip_from_world, film_views},
     measured::{DepthPlan, KnownDepths, MeasuredView, VisibleDepthRange, known_depths},
     scene_bounds::SceneBounds,
-    settings::{ShadowPath, SunShadows, WithoutSunShadows},
+    settings::{ShadowPath, SunShadows, TransparentLayers, WithoutSunShadows},
     stable::HeldMaps,
     stock::{StockSettings, set_biases},
     view_volume::{shadowed_part, view_volume, wide},
@@ -191,7 +191,10 @@ pub(super) fn write_cascades(
             continue;
         }
         match settings.path {
-            ShadowPath::Full => full::write(views, settings.transparent_layer, &mut config, &mut cascades),
+            ShadowPath::Full => {
+                let has_transparent_layer = settings.transparent_layers != TransparentLayers::Off;
+                full::write(views, has_transparent_layer, &mut config, &mut cascades);
+            }
             ShadowPath::DropIn => drop_in::write(&settings, views, &mut config, &mut cascades),
         }
     }

@@ -12,7 +12,7 @@ use bevy::{
         sync_world::RenderEntity,
     },
 };
-use umbrage::{prelude::*, render::transparent::TransparentLayer};
+use umbrage::{prelude::*, render::transparent::TransparentSurfaces};
 
 use crate::harness::{Harness, WARM_UP, add_target, eye, results};
 
@@ -193,7 +193,7 @@ fn transparent_receivers_have_a_layer() {
         let place = Transform::from_xyz(0.0, 0.5, 0.0);
         let pane = (Mesh3d(mesh), MeshMaterial3d(board), place, NotShadowCaster);
         let pane = harness.app.world_mut().spawn(pane).id();
-        let keys = "transparent_layer=on,fallback=off";
+        let keys = "transparent_layer=nearest,fallback=off";
         let separator = if technique.contains(':') { "," } else { ":" };
         harness.sun(LIGHT, settings(&format!("{technique}{separator}{keys}")));
         harness.start();
@@ -207,15 +207,16 @@ fn transparent_receivers_have_a_layer() {
                 .expect("it is drawn")
                 .id();
             let render_world = harness.app.sub_app(RenderApp).world();
-            render_world.get::<TransparentLayer>(entity).is_some()
+            render_world.get::<TransparentSurfaces>(entity).is_some()
         };
         assert!(!has_layer(&harness), "{technique}: nothing is transparent");
 
         harness.app.world_mut().entity_mut(pane).insert(MeshMaterial3d(glass));
         harness.frames(WARM_UP);
         assert_pipelines_compiled(&harness);
-        let depths = harness.camera_texture::<TransparentLayer>(camera, |layer| &layer.depth.0);
-        let found = results(&harness.camera_texture::<TransparentLayer>(camera, |layer| &layer.result.0));
+        let depths = harness.camera_texture::<TransparentSurfaces>(camera, |surfaces| &surfaces.layers[0].depth.0);
+        let found =
+            results(&harness.camera_texture::<TransparentSurfaces>(camera, |surfaces| &surfaces.layers[0].result.0));
         let behind = harness.shadow_result(camera);
         let (mut pixels, mut dark, mut off, mut through) = (0, 0, 0, 0);
         let surfaces = depths.to_f32().into_iter().zip(found);

@@ -13,6 +13,7 @@ mod layers;
 mod light_plane;
 mod lighting;
 mod lookup;
+mod panes;
 mod partitions;
 mod reference;
 mod room;

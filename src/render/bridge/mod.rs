@@ -4,10 +4,11 @@
 //! function and appends one of the same name that reads the shadow result from an extra layer of the sun's shadow
 //! map array (the main world gives the sun a second cascade that no stock light can have, see
 //! [`shadow::full`](crate::shadow::full)). Fragments that are not in the depth prepass (transparent ones) are looked for in
-//! a third layer, if there is one ([`transparent`](super::transparent)); those in neither, multisampled cameras and all
+//! a third layer, if there is one ([`transparent`](super::transparent), which writes it anew for every layer that it draws);
+//! those in neither, multisampled cameras and all
 //! other lights take Bevy's own lookup.
 
-mod layer;
+pub(super) mod layer;
 pub mod patch;
 
 use bevy::{
@@ -24,10 +25,7 @@ pub struct BridgePlugin;
 
 impl Plugin for BridgePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(
-            PreUpdate,
-            patch::patch_shadow_module.after(bevy::asset::AssetTrackingSystems),
-        );
+        app.add_systems(PreUpdate, patch::patch_modules.after(bevy::asset::AssetTrackingSystems));
         let times = SystemTimes::of(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

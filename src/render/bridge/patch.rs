@@ -1,11 +1,11 @@
-//! The patch of Bevy's shadow module.
+//! The patches of Bevy's modules: the lookup of shadows, and positions that are the same in several pipelines.
 
 use bevy::{log::error_once, prelude::*, shader::Shader};
 use thiserror::Error;
 
 use crate::render::shaders::FETCH_SHADOW;
 
-/// Path of the module that is patched.
+/// Path of the module of shadows.
 const MODULE: &str = "embedded://bevy_pbr/render/shadows.wgsl";
 /// The function whose place the appended one takes.
 const NEEDLE: &str = "fn fetch_directional_shadow(";
@@ -14,9 +14,22 @@ const RENAMED: &str = "fn fetch_directional_shadow_bevy(";
 /// The module's own name, after which an import is added.
 const IMPORT_PATH: &str = "#define_import_path bevy_pbr::shadows";
 
+/// Path of the module of what vertex shaders hand on.
+const VERTEX_MODULE: &str = "embedded://bevy_pbr/render/forward_io.wgsl";
+/// The position there.
+const POSITION: &str = "    @builtin(position) position: vec4<f32>,";
+/// The same, where the pipeline asks for it, with a promise: the same vertices are at the same depths in every pipeline.
+const INVARIANT_POSITION: &str = "#ifdef UMBRAGE_INVARIANT_POSITION
+    @invariant @builtin(position) position: vec4<f32>,
+#else
+    @builtin(position) position: vec4<f32>,
+#endif";
+/// The shader definition that asks for it.
+pub const UMBRAGE_INVARIANT_POSITION: &str = "UMBRAGE_INVARIANT_POSITION";
+
 /// Bevy's shader is not the one this version was written for.
 #[derive(Debug, Error, PartialEq, Eq)]
-#[error("Bevy's shadow shader has no `{missing}`: this version of Umbrage needs Bevy 0.19.1; the full path is off")]
+#[error("Bevy's shader has no `{missing}`: this version of Umbrage needs Bevy 0.19.1")]
 pub struct PatchError {
     /// The text that was looked for.
     pub missing: &'static str,
@@ -45,25 +58,51 @@ pub fn patched(source: &str) -> Result<Option<String>, PatchError> {
     Ok(Some(imported + FETCH_SHADOW))
 }
 
-/// Patches the loaded module in place: the same asset id takes Bevy's hot-reload path, so no pipeline is ever built
+/// The source of what vertex shaders hand on with [`INVARIANT_POSITION`], or `None` when it is patched already.
+///
+/// # Errors
+///
+/// When the source does not contain exactly one position.
+pub fn with_invariant_position(source: &str) -> Result<Option<String>, PatchError> {
+    if source.contains(INVARIANT_POSITION) {
+        return Ok(None);
+    }
+    if source.matches(POSITION).count() != 1 {
+        return Err(PatchError { missing: POSITION });
+    }
+    Ok(Some(source.replace(POSITION, INVARIANT_POSITION)))
+}
+
+/// Patches the loaded modules in place: the same asset id takes Bevy's hot-reload path, so no pipeline is ever built
 /// with the old text, and a hot reload of Bevy's file is patched again.
-pub(super) fn patch_shadow_module(server: Res<AssetServer>, mut shaders: ResMut<Assets<Shader>>) {
-    let Some(handle) = server.get_handle::<Shader>(MODULE) else {
-        return;
+pub(super) fn patch_modules(server: Res<AssetServer>, mut shaders: ResMut<Assets<Shader>>) {
+    if let Err(error) = patch_module(&server, &mut shaders, MODULE, patched) {
+        error_once!("{error}; the full path is off");
+    }
+    if let Err(error) = patch_module(&server, &mut shaders, VERTEX_MODULE, with_invariant_position) {
+        error_once!("{error}; fragments of transparent layers may be missing");
+    }
+}
+
+fn patch_module(
+    server: &AssetServer,
+    shaders: &mut Assets<Shader>,
+    module: &'static str,
+    patched: impl Fn(&str) -> Result<Option<String>, PatchError>,
+) -> Result<(), PatchError> {
+    let Some(handle) = server.get_handle::<Shader>(module) else {
+        return Ok(());
     };
     let Some(shader) = shaders.get(&handle) else {
-        return;
+        return Ok(());
     };
     let path = shader.path.clone();
-    match patched(shader.source.as_str()) {
-        Ok(None) => {}
-        Ok(Some(source)) => {
-            if let Err(error) = shaders.insert(handle.id(), Shader::from_wgsl(source, path)) {
-                error_once!("Bevy's shadow shader could not be replaced: {error}");
-            }
-        }
-        Err(error) => error_once!("{error}"),
+    if let Some(source) = patched(shader.source.as_str())?
+        && let Err(error) = shaders.insert(handle.id(), Shader::from_wgsl(source, path))
+    {
+        error_once!("a shader of Bevy's could not be replaced: {error}");
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -83,6 +122,28 @@ mod tests {
         assert_eq!(
             patched("fn other() {}"),
             Err(PatchError { missing: NEEDLE }),
+            "a changed module is refused"
+        );
+    }
+
+    #[test]
+    fn positions_become_invariant_once() {
+        let source = format!("struct VertexOutput {{\n{POSITION}\n}}\n");
+        let patch = with_invariant_position(&source)
+            .expect("the position is there")
+            .expect("not patched yet");
+        assert!(
+            patch.contains(INVARIANT_POSITION),
+            "the promise is there where it is asked for"
+        );
+        assert_eq!(
+            with_invariant_position(&patch),
+            Ok(None),
+            "a patched module is left alone"
+        );
+        assert_eq!(
+            with_invariant_position("struct VertexOutput {}"),
+            Err(PatchError { missing: POSITION }),
             "a changed module is refused"
         );
     }

@@ -2,12 +2,56 @@
 
 use bevy::{
     core_pipeline::core_3d::Transparent3d,
+    ecs::{
+        query::ROQueryItem,
+        system::{SystemParam, SystemParamItem},
+    },
+    pbr::DrawMaterial,
     prelude::*,
     render::{
-        render_phase::{DrawFunctionId, DrawFunctions, PhaseItem, SortedRenderPhase, TrackedRenderPass},
+        render_phase::{
+            DrawFunctionId, DrawFunctions, PhaseItem, RenderCommand, RenderCommandResult, SortedRenderPhase,
+            TrackedRenderPass,
+        },
         render_resource::CachedRenderPipelineId,
     },
 };
+
+/// Draws nothing: Bevy's own pass leaves out what is drawn layer by layer.
+pub(super) struct DrawInLayers;
+
+impl<P: PhaseItem> RenderCommand<P> for DrawInLayers {
+    type Param = ();
+    type ViewQuery = ();
+    type ItemQuery = ();
+
+    fn render<'w>(
+        _: &P,
+        (): ROQueryItem<'w, '_, Self::ViewQuery>,
+        _: Option<()>,
+        (): SystemParamItem<'w, '_, Self::Param>,
+        _: &mut TrackedRenderPass<'w>,
+    ) -> RenderCommandResult {
+        RenderCommandResult::Success
+    }
+}
+
+/// The draw functions of materials: Bevy's, and [`DrawInLayers`].
+#[derive(SystemParam)]
+pub(super) struct MaterialFunctions<'w> {
+    functions: Res<'w, DrawFunctions<Transparent3d>>,
+}
+
+impl MaterialFunctions<'_> {
+    pub(super) fn get(&self) -> Option<(DrawFunctionId, DrawFunctionId)> {
+        let functions = self.functions.read();
+        Some((functions.get_id::<DrawMaterial>()?, functions.get_id::<DrawInLayers>()?))
+    }
+
+    pub(super) fn all(&self) -> &DrawFunctions<Transparent3d> {
+        &self.functions
+    }
+}
 
 /// Draws the items of a phase for which `variant` names a pipeline and a draw function, in the batches of Bevy's own pass:
 /// an item stands for as many as its range holds.

@@ -3,10 +3,12 @@
 mod fit;
 mod partitions;
 mod seams;
+mod transparent;
 
 pub use fit::{FitSettings, WarpDirection};
 pub use partitions::{Faces, MapResolution, Partitions};
 pub use seams::{SeamWidth, Seams};
+pub use transparent::TransparentLayers;
 
 use bevy::{light::DirectionalLight, prelude::*};
 
@@ -70,10 +72,8 @@ pub struct SunShadows {
     /// surfaces read it. Costs one more map of [`DirectionalLightShadowMap`](bevy::light::DirectionalLightShadowMap)
     /// size.
     pub fallback_map: bool,
-    /// Gives the nearest transparent surface of every pixel a shadow result of its own on the full path, as sharp as that of
-    /// opaque ones (Giegl 2007, section 5.13); transparent surfaces behind it, and what is transmissive, read the fallback
-    /// map. Costs a depth pass of transparent things, one more apply pass, and one more layer of Bevy's shadow maps.
-    pub transparent_layer: bool,
+    /// Which transparent surfaces have shadow results of their own. Means nothing on the drop-in path.
+    pub transparent_layers: TransparentLayers,
 }
 
 /// How casters get into the maps of an atlas: changes no texel.
@@ -358,7 +358,7 @@ impl SunShadows {
             measured: MeasuredDepths::BEST,
             stable: Stability::Off,
             fallback_map: true,
-            transparent_layer: false,
+            transparent_layers: TransparentLayers::Off,
         }
     }
 }

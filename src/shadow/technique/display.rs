@@ -52,7 +52,8 @@ mod tests {
             measured::{MeasureUse, MeasuredDepths, NearMeasurement},
             settings::{
                 CasterPasses, Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, Seams,
-                ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, WarpDirection,
+                ShadowBias, ShadowBlur, ShadowFilter, ShadowPath, ShadowStore, SunShadows, TransparentLayers,
+                WarpDirection,
             },
             stable::Stability,
             technique::StockBias,
@@ -164,8 +165,8 @@ mod tests {
                     (0.001f32..1e6).prop_map(|near| (NearMeasurement::Slices, Some(near))),
                 ],
             ),
-            (fallback_map, transparent_layer, is_each, far, splits, is_same) in any::<(bool, bool, bool, bool, bool, bool)>(),
-            (count, stable) in (
+            (fallback_map, is_each, far, splits, is_same) in any::<(bool, bool, bool, bool, bool)>(),
+            (count, stable, transparent_layers) in (
                 Just(count),
                 prop_oneof![
                     Just(Stability::Off),
@@ -173,6 +174,11 @@ mod tests {
                     Just(Stability::Quantised),
                     Just(Stability::Sphere),
                     Stability::FRAMES.prop_map(|frames| Stability::Sharp { frames }),
+                ],
+                prop_oneof![
+                    Just(TransparentLayers::Off),
+                    Just(TransparentLayers::Nearest),
+                    TransparentLayers::COUNTS.prop_map(|count| TransparentLayers::All { count }),
                 ],
             ),
         ) -> SunShadows {
@@ -199,7 +205,7 @@ mod tests {
             let partitions = Partitions { count, scheme, faces, etas, resolution };
             let caster_passes = if is_each { CasterPasses::PerMap } else { CasterPasses::Shared };
             let full = SunShadows {
-                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, caster_passes, store, blur, distance, near, measured, stable, fallback_map, transparent_layer,
+                path, maps: ShadowMaps::Partitions, partitions, warp, light_planes: None, fit, map_size, selection, seams, filter, bias, caster_passes, store, blur, distance, near, measured, stable, fallback_map, transparent_layers,
             };
             match path {
                 ShadowPath::Full => full,
@@ -221,7 +227,7 @@ mod tests {
                     store: SunShadows::HIGH.store,
                     blur: SunShadows::HIGH.blur,
                     fallback_map: SunShadows::HIGH.fallback_map,
-                    transparent_layer: SunShadows::HIGH.transparent_layer,
+                    transparent_layers: SunShadows::HIGH.transparent_layers,
                     measured: SunShadows::HIGH.measured,
                     stable: SunShadows::HIGH.stable,
                     ..full

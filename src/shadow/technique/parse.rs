@@ -72,7 +72,7 @@ mod tests {
             measured::{MeasureUse, MeasuredDepths, NearMeasurement},
             settings::{
                 Faces, FitSettings, MapResolution, PartitionSelection, Partitions, SeamWidth, ShadowBias, ShadowBlur,
-                ShadowFilter, ShadowPath, ShadowStore, WarpDirection,
+                ShadowFilter, ShadowPath, ShadowStore, TransparentLayers, WarpDirection,
             },
             stable::Stability,
             technique::StockBias,
@@ -217,6 +217,32 @@ mod tests {
     }
 
     #[test]
+    fn transparent_layers_are_counted_where_there_are_several() {
+        for (text, layers, expected) in [
+            (
+                "lispsm:transparent_layer=on",
+                TransparentLayers::Nearest,
+                "lispsm:transparent_layer=nearest",
+            ),
+            ("lispsm:transparent_layer=off", TransparentLayers::Off, "lispsm"),
+            (
+                "lispsm:transparent_layer=all,transparent_layers=4",
+                TransparentLayers::All { count: 4 },
+                "lispsm:transparent_layer=all",
+            ),
+            (
+                "lispsm:transparent_layers=8,transparent_layer=all",
+                TransparentLayers::All { count: 8 },
+                "lispsm:transparent_layer=all,transparent_layers=8",
+            ),
+        ] {
+            let settings = settings(text);
+            assert_eq!(settings.transparent_layers, layers, "{text}");
+            assert_eq!(Technique::Umbrage(settings).to_string(), expected);
+        }
+    }
+
+    #[test]
     fn stock_cascades_take_biases() {
         let bias = StockBias {
             depth: 0.1,
@@ -278,6 +304,20 @@ mod tests {
             ("zp4:path=dropin,filter=hard", &["`filter=`", "path=dropin"]),
             ("zp4:path=dropin,select=depth", &["`select=`"]),
             ("lispsm:path=dropin,fallback=off", &["`fallback=`"]),
+            (
+                "lispsm:transparent_layer=both",
+                &["`transparent_layer=both`", "off|nearest|all"],
+            ),
+            (
+                "lispsm:transparent_layer=all,transparent_layers=9",
+                &["`transparent_layers=9`", "1..=8"],
+            ),
+            (
+                "lispsm:transparent_layer=on,transparent_layers=2",
+                &["`transparent_layer=all`"],
+            ),
+            ("lispsm:transparent_layers=2", &["`transparent_layer=all`"]),
+            ("lispsm:path=dropin,transparent_layer=all", &["`transparent_layer=`"]),
             ("psm:path=dropin", &["stronger than lispsm"]),
             ("tsm:path=dropin", &["stronger than lispsm"]),
             ("zp2+free:eta=0.5,path=dropin", &["stronger than lispsm"]),

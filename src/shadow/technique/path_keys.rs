@@ -7,7 +7,7 @@ use super::{
 use crate::shadow::{
     checked::MAP_SIZES,
     layout::cells_per_side,
-    settings::{CasterPasses, Faces, Partitions, ShadowPath, SunShadows},
+    settings::{CasterPasses, Faces, Partitions, ShadowPath, SunShadows, TransparentLayers},
 };
 
 /// Side of the largest texture that every desktop adapter has.
@@ -20,7 +20,11 @@ pub(super) const TOPIC: Topic = Topic {
         Key::full("fallback", "on|off"),
         Key::full(
             "transparent_layer",
-            "on|off: whether the nearest transparent surfaces have sharp shadows",
+            "off|nearest|all: which transparent surfaces of a pixel have sharp shadows; on: the nearest",
+        ),
+        Key::full(
+            "transparent_layers",
+            "1..=8, how many those of transparent_layer=all are",
         ),
         Key::full("passes", "shared|each, of the casters"),
     ],
@@ -79,9 +83,7 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
     if let Some(fallback) = pairs.read("fallback", switch)? {
         settings.fallback_map = fallback;
     }
-    if let Some(layer) = pairs.read("transparent_layer", switch)? {
-        settings.transparent_layer = layer;
-    }
+    settings.transparent_layers = transparent_layers_of(settings.transparent_layers, pairs)?;
     if let Some(passes) = pairs.read("passes", |text| match text {
         "shared" => Some(CasterPasses::Shared),
         "each" => Some(CasterPasses::PerMap),
@@ -90,6 +92,29 @@ fn read(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), TechniqueError> 
         settings.caster_passes = passes;
     }
     Ok(())
+}
+
+fn transparent_layers_of(default: TransparentLayers, pairs: &Pairs) -> Result<TransparentLayers, TechniqueError> {
+    let count = pairs.read("transparent_layers", |text| {
+        text.parse()
+            .ok()
+            .filter(|count| TransparentLayers::COUNTS.contains(count))
+    })?;
+    let layers = pairs.read("transparent_layer", |text| match text {
+        "off" => Some(TransparentLayers::Off),
+        "nearest" | "on" => Some(TransparentLayers::Nearest),
+        "all" => Some(TransparentLayers::All {
+            count: count.unwrap_or(TransparentLayers::COUNT),
+        }),
+        _ => None,
+    })?;
+    let layers = layers.unwrap_or(default);
+    if count.is_some() && !matches!(layers, TransparentLayers::All { .. }) {
+        return Err(TechniqueError::together(
+            "`transparent_layers=` belongs to `transparent_layer=all`",
+        ));
+    }
+    Ok(layers)
 }
 
 fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
@@ -103,9 +128,16 @@ fn changes(settings: &SunShadows, default: &SunShadows) -> Vec<String> {
     if settings.fallback_map != default.fallback_map {
         pairs.push(format!("fallback={}", switch_text(settings.fallback_map)));
     }
-    if settings.transparent_layer != default.transparent_layer {
-        let layer = switch_text(settings.transparent_layer);
-        pairs.push(format!("transparent_layer={layer}"));
+    if settings.transparent_layers != default.transparent_layers {
+        let (name, count) = match settings.transparent_layers {
+            TransparentLayers::Off => ("off", None),
+            TransparentLayers::Nearest => ("nearest", None),
+            TransparentLayers::All { count } => ("all", Some(count)),
+        };
+        pairs.push(format!("transparent_layer={name}"));
+        if let Some(count) = count.filter(|count| *count != TransparentLayers::COUNT) {
+            pairs.push(format!("transparent_layers={count}"));
+        }
     }
     if settings.caster_passes != default.caster_passes {
         pairs.push("passes=each".to_owned());
