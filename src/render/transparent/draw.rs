@@ -51,6 +51,11 @@ pub(super) fn draw_layers(
     ) else {
         return;
     };
+    // Spans of one name are samples of each other: those of all layers are one. It is no span of shadows, so it has not their
+    // prefix: materials are drawn in it.
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let span = diagnostics.time_span(ctx.command_encoder(), "draw_transparent_layers");
     for layer in surfaces.layers.iter().rev() {
         sun_layers.write_transparent(&mut ctx, (lights, sun.light), layer, surfaces.size);
         let depths = ctx.render_device().create_bind_group(
@@ -58,8 +63,6 @@ pub(super) fn draw_layers(
             &cache.get_bind_group_layout(&pipelines.two_depths),
             &BindGroupEntries::sequential((opaque.view(), &layer.depth.1)),
         );
-        let diagnostics = ctx.diagnostic_recorder();
-        let diagnostics = diagnostics.as_deref();
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("umbrage_draw_transparent_layer"),
             color_attachments: &[Some(target.get_color_attachment())],
@@ -75,7 +78,6 @@ pub(super) fn draw_layers(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        let span = diagnostics.pass_span(&mut pass, "umbrage_draw_transparent_layer");
         if let Some(viewport) = &camera.viewport {
             pass.set_camera_viewport(viewport);
         }
@@ -88,6 +90,6 @@ pub(super) fn draw_layers(
                 .filter(|_| item.draw_function == in_layers);
             variant.map(|id| (id, bevys))
         });
-        span.end(&mut pass);
     }
+    span.end(ctx.command_encoder());
 }

@@ -44,6 +44,10 @@ pub(super) fn draw_nearest(
     };
     let opaque = prepass.and_then(|prepass| prepass.depth_view());
     let peels = surfaces.depth_test.is_some();
+    // Spans of one name are samples of each other: those of all layers are one.
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let span = diagnostics.time_span(ctx.command_encoder(), "umbrage_draw_nearest_transparent");
     for (index, layer) in surfaces.layers.iter().enumerate() {
         // The first one is behind no other.
         let before = index.checked_sub(1).map(|before| &surfaces.layers[before].depth.1);
@@ -54,8 +58,6 @@ pub(super) fn draw_nearest(
                 &BindGroupEntries::sequential((opaque, before.unwrap_or(opaque))),
             )
         });
-        let diagnostics = ctx.diagnostic_recorder();
-        let diagnostics = diagnostics.as_deref();
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("umbrage_draw_nearest_transparent"),
             color_attachments: &[],
@@ -71,7 +73,6 @@ pub(super) fn draw_nearest(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        let span = diagnostics.pass_span(&mut pass, "umbrage_draw_nearest_transparent");
         if let Some(viewport) = &camera.viewport {
             pass.set_camera_viewport(viewport);
         }
@@ -86,6 +87,6 @@ pub(super) fn draw_nearest(
             let variant = pipelines.peel(item.pipeline, index).filter(|_| is_layered);
             variant.map(|id| (id, bevys))
         });
-        span.end(&mut pass);
     }
+    span.end(ctx.command_encoder());
 }
