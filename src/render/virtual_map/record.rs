@@ -1,5 +1,7 @@
 //! Records tiles: casters into tile textures, then all of these into the shadow result, as many at a time as there are
 //! textures for.
+//!
+//! One thread records them. Shared between two cores, with an encoder each, 256 tiles took 9.3 ms instead of 7.3: wgpu's locks.
 
 use std::collections::HashMap;
 
