@@ -1,6 +1,13 @@
 //! Kinds of transition beside Unpopping, kinds side by side, and shadows of other levels than are seen.
 
-use bevy::{mesh::morph::MorphAttributes, prelude::*};
+use bevy::{
+    mesh::{
+        VertexAttributeValues,
+        morph::MorphAttributes,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
+    prelude::*,
+};
 use umbrage::{
     lod::{
         chain::{LodChain, LodMorph},
@@ -139,4 +146,64 @@ fn shadows_can_be_those_of_a_coarser_level() {
         coarse.abs_diff(biased) < biased / 3,
         "the coarse level's own {coarse}, biased {biased}"
     );
+}
+
+/// Two levels of an animated thing share joints: the fading one is bent as the opaque one is, and blends with it.
+#[test]
+fn skinned_levels_fade_in_their_pose() {
+    let mut harness = stage();
+    let (red, blue) = (
+        flat(&mut harness, Color::srgb(0.8, 0.1, 0.1)),
+        flat(&mut harness, Color::srgb(0.1, 0.1, 0.8)),
+    );
+    let bent = |harness: &mut Harness, half_height: f32, z: f32| {
+        let mut mesh = cards(&[(1.0, half_height, z)]);
+        // The right side hangs on the second joint.
+        let joints = [0, 1, 1, 0].map(|joint| [joint, 0, 0, 0]).to_vec();
+        mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints));
+        mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[1.0_f32, 0.0, 0.0, 0.0]; 4]);
+        harness.mesh(mesh)
+    };
+    let (narrow, wide) = (bent(&mut harness, 0.3, 0.0), bent(&mut harness, 0.5, 0.1));
+    let entity = chain(&mut harness, Transform::default(), &[(&narrow, &red), (&wide, &blue)]);
+    let world = harness.app.world_mut();
+    let inverse_bindposes = world
+        .resource_mut::<Assets<SkinnedMeshInverseBindposes>>()
+        .add(vec![Mat4::IDENTITY, Mat4::IDENTITY]);
+    let joints = [0.0, 1.2]
+        .map(|y| world.spawn(Transform::from_xyz(0.0, y, 0.0)).id())
+        .to_vec();
+    let levels = world.get::<LodChain>(entity).expect("a chain").levels.clone();
+    for part in levels.into_iter().flatten() {
+        let skin = SkinnedMesh {
+            inverse_bindposes: inverse_bindposes.clone(),
+            joints: joints.clone(),
+        };
+        world.entity_mut(part).insert(skin);
+    }
+    harness.start();
+    let [start, quarter, middle] = [0.0, 0.25, 0.5].map(|t| picture_at(&mut harness, t));
+    // Raised by 1.2 m at x = 1: the middle of the right edge is 12 pixels higher than that of the left one.
+    let (left, right) = ((SIZE.x / 2 - 9, SIZE.y / 2), (SIZE.x / 2 + 8, SIZE.y / 2 - 11));
+    for (x, y) in [left, right] {
+        let [r, _, b] = pixel(&start, x, y);
+        assert!(r > 200 && b < 50, "the old level is at {x}, {y}: {r}, {b}");
+        let [r, _, b] = pixel(&middle, x, y);
+        assert!(b > 200 && r < 50, "the new level is at {x}, {y}: {r}, {b}");
+    }
+    assert_eq!(
+        pixel(&start, SIZE.x / 2 + 8, SIZE.y / 2 + 2),
+        [255; 3],
+        "and not where it would be unbent"
+    );
+    let farthest = start
+        .iter()
+        .zip(&quarter)
+        .zip(&middle)
+        .map(|((start, quarter), middle)| {
+            let mixed = 0.5 * (linear_light(*start) + linear_light(*middle));
+            (linear_light(*quarter) - mixed).abs()
+        })
+        .fold(0.0, f64::max);
+    assert!(farthest < 0.01, "{farthest} of light off");
 }
