@@ -6,7 +6,7 @@
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var depth_prepass: texture_depth_2d;
-// World space, 0..1 for -1..1; anything of another length than 1 where the camera has no normal prepass.
+// World space, 0..1 for -1..1; white where the camera has no normal prepass.
 @group(0) @binding(2) var normal_prepass: texture_2d<f32>;
 
 // Pixels that are farther off the line through two neighbours, as a share of their depth, have no normal.
@@ -20,6 +20,10 @@ const LARGEST_NORMAL_ERROR: f32 = 0.25;
 // Cosine between the plane of the depths and the shading normal from which the plane is believed: 18 degrees. Depths of
 // fins as wide as a pixel can lie on one false plane exactly; shading normals cannot, but they are rounded off.
 const SAME_NORMAL_COSINE: f32 = 0.95;
+// Lengths of normals. Between vertex normals that differ much, as on coarse foliage, the prepass holds short ones: 0.7 halfway
+// between two that are 90 degrees apart. What it is cleared to, and white, which stands for no prepass, have 1.73.
+const LEAST_LENGTH: f32 = 0.1;
+const MOST_LENGTH: f32 = 1.1;
 
 struct Surface {
     position: vec3<f32>,
@@ -57,7 +61,7 @@ fn surface_at(pixel: vec2<f32>, depth_ndc: f32, fallback_normal: vec3<f32>) -> S
 fn load_normal(pixel: vec2<f32>, position: vec3<f32>) -> vec3<f32> {
     let normal = textureLoad(normal_prepass, vec2<i32>(pixel), 0).xyz * 2.0 - 1.0;
     let normal_length = length(normal);
-    if abs(normal_length - 1.0) > 0.1 {
+    if normal_length < LEAST_LENGTH || normal_length > MOST_LENGTH {
         return vec3<f32>(0.0);
     }
     let is_orthographic = view.clip_from_view[3][3] == 1.0;

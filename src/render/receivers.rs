@@ -3,7 +3,10 @@
 use bevy::{
     core_pipeline::prepass::ViewPrepassTextures,
     prelude::*,
-    render::{render_resource::TextureView, texture::FallbackImage},
+    render::{
+        render_resource::{Texture, TextureView},
+        texture::FallbackImage,
+    },
 };
 
 use super::{
@@ -21,6 +24,8 @@ pub(super) struct Receiver<'a> {
     pub(super) normals: &'a TextureView,
     /// 1 lit, 0 in shadow.
     pub(super) result: &'a TextureView,
+    /// The texture of the result, and the layer of it.
+    pub(super) result_texture: (&'a Texture, u32),
 }
 
 /// The pictures of a camera in this frame: that of the depth prepass first, then the nearest fading levels of detail by
@@ -28,12 +33,14 @@ pub(super) struct Receiver<'a> {
 pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
     let all = || {
         let prepass = world.get::<ViewPrepassTextures>(camera)?;
+        let result = world.get::<ShadowResult>(camera)?;
         // White is no normal.
         let no_normals = &world.get_resource::<FallbackImage>()?.d2.texture_view;
         let opaque = Receiver {
             depth: prepass.depth_view()?,
             normals: prepass.normal_view().unwrap_or(no_normals),
-            result: &world.get::<ShadowResult>(camera)?.view,
+            result: &result.view,
+            result_texture: (&result.texture, 0),
         };
         let in_use = world.get_resource::<ExtractedLayers>().map_or(0, |layers| layers.0);
         let fading = world.get::<FadingSurfaces>(camera);
@@ -42,10 +49,17 @@ pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
             .into_iter()
             .flat_map(|surfaces| {
                 let pictures = surfaces.depth.each.iter().zip(&surfaces.normal.each);
-                pictures.zip(&surfaces.result.each)
+                let results = surfaces.result.each.iter().zip(0..);
+                pictures
+                    .zip(results)
+                    .map(|((depth, normals), (result, layer))| Receiver {
+                        depth,
+                        normals,
+                        result,
+                        result_texture: (&surfaces.result.texture, layer),
+                    })
             })
-            .take(in_use as usize)
-            .map(|((depth, normals), result)| Receiver { depth, normals, result });
+            .take(in_use as usize);
         let transparent = world.get::<TransparentSurfaces>(camera);
         let transparent = transparent
             .into_iter()
@@ -54,6 +68,7 @@ pub(super) fn receivers(world: &World, camera: Entity) -> Vec<Receiver<'_>> {
                 depth: &layer.depth.1,
                 normals: no_normals,
                 result: &layer.result.1,
+                result_texture: (&layer.result.0, 0),
             });
         Some(std::iter::once(opaque).chain(fading).chain(transparent).collect())
     };

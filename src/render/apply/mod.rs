@@ -219,7 +219,10 @@ fn apply_views(
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let span = diagnostics.time_span(ctx.command_encoder(), "umbrage_apply_views");
-    for Receiver { depth, normals, result } in receivers(world, view_entity) {
+    for receiver in receivers(world, view_entity) {
+        let Receiver {
+            depth, normals, result, ..
+        } = receiver;
         let bind_group = ctx.render_device().create_bind_group(
             "umbrage_apply_views",
             &cache.get_bind_group_layout(&pipeline.layout),

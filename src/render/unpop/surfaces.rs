@@ -8,8 +8,8 @@ use bevy::{
         render_phase::ViewSortedRenderPhases,
         render_resource::{
             BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, Extent3d, PipelineCache,
-            ShaderStages, TextureDescriptor, TextureDimension, TextureFormat, TextureSampleType, TextureUsages,
-            TextureView, TextureViewDescriptor, TextureViewDimension, binding_types::texture_2d_array,
+            ShaderStages, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureSampleType,
+            TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension, binding_types::texture_2d_array,
         },
         renderer::RenderDevice,
         view::ExtractedView,
@@ -27,6 +27,8 @@ pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 /// A texture of several layers: all of them, and one by one.
 #[derive(Clone, Debug)]
 pub struct Layered {
+    /// It.
+    pub texture: Texture,
     /// All of them.
     pub all: TextureView,
     /// One by one.
@@ -46,7 +48,7 @@ impl Layered {
             sample_count: 1,
             dimension: TextureDimension::D2,
             format,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         let view = |dimension, base_array_layer, array_layer_count| {
@@ -62,6 +64,7 @@ impl Layered {
             each: (0..layers)
                 .map(|layer| view(TextureViewDimension::D2, layer, 1))
                 .collect(),
+            texture,
         }
     }
 }

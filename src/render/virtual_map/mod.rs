@@ -22,8 +22,8 @@
 //!   and the number of textures change no bit.
 //!
 //! # Limits
-//! Surfaces that the depth prepass does not hold read Bevy's fallback map, but fading levels of detail, and the nearest
-//! transparent ones where they have a [layer](super::transparent). `store=second|midpoint` needs two atlases and is
+//! Surfaces that the depth prepass does not hold read Bevy's fallback map, but fading levels of detail, and transparent
+//! ones where they have a [layer](super::transparent). `store=second|midpoint` needs two atlases and is
 //! not drawn. Filters wider than the margins ([`tiles::margin`]) are cut at borders of tiles.
 
 pub mod fitted;
@@ -43,9 +43,8 @@ use bevy::{
         Render, RenderApp, RenderStartup, RenderSystems,
         diagnostic::{DiagnosticsRecorder, RecordDiagnostics},
         render_resource::{
-            Buffer, CommandEncoderDescriptor, Extent3d, LoadOp, Operations, RenderPassColorAttachment,
-            RenderPassDescriptor, StoreOp, Texture, TextureDescriptor, TextureDimension, TextureUsages, TextureView,
-            TextureViewDescriptor,
+            Buffer, CommandEncoderDescriptor, LoadOp, Operations, RenderPassColorAttachment, RenderPassDescriptor,
+            StoreOp, Texture, TextureView,
         },
         renderer::{CurrentView, RenderContext, RenderDevice},
         sync_world::MainEntity,
@@ -61,7 +60,7 @@ use self::{
 };
 use super::{
     SunShadowPasses,
-    atlas::{RESULT_FORMAT, ShadowAtlas, ShadowResult},
+    atlas::{RESULT_FORMAT, ShadowAtlas, ShadowResult, create_target},
     caster::{CasterStatistics, pass::storage_buffer, plan::CasterPlan, prepare::TILE_SLOTS},
     extract::ExtractedSun,
     gpu_types::GpuTileReport,
@@ -124,7 +123,8 @@ impl Default for TileSchedule {
 #[derive(Component, Debug, Default)]
 pub struct VirtualMap {
     textures: TileTextures,
-    old_result: Option<(Texture, TextureView)>,
+    /// For copies of the results of all receivers, to count by.
+    old_results: Vec<(Texture, TextureView)>,
     rest: Rest,
 }
 
@@ -221,10 +221,10 @@ impl TileFrame<'_> {
         }));
     }
 
-    /// Draws and applies disjoint tiles, only where the shadow result changes by more than a tolerance, and counts those
-    /// pixels. Waits for the GPU. One report per tile; empty ones while pipelines are compiled.
+    /// Draws and applies disjoint tiles, only where a shadow result changes by more than a tolerance, and counts those
+    /// pixels, of all receivers together. Waits for the GPU. One report per tile; empty ones while pipelines are compiled.
     pub fn draw_counted(&mut self, tiles: &[TileDraw], tolerance: f32) -> Vec<TileReport> {
-        self.prepare_old_result();
+        self.prepare_old_results();
         let nothing = GpuTileReport {
             min_x: u32::MAX,
             min_y: u32::MAX,
@@ -233,22 +233,21 @@ impl TileFrame<'_> {
         let device = self.world.resource::<RenderDevice>();
         let reports = storage_buffer(device, "umbrage_tile_reports", &vec![nothing; tiles.len()]);
         let (world, camera) = (&*self.world, self.camera);
-        if let (Ok(mut ctx), Some((old, old_view)), Some(result)) = (
-            self.context.get(world),
-            &self.map.old_result,
-            world.get::<ShadowResult>(camera),
-        ) {
-            ctx.command_encoder().copy_texture_to_texture(
-                result.texture.as_image_copy(),
-                old.as_image_copy(),
-                old.size(),
-            );
+        let old_results = &self.map.old_results;
+        if let Ok(mut ctx) = self.context.get(world) {
+            for (receiver, (old, _)) in receivers(world, camera).iter().zip(old_results) {
+                let (texture, layer) = receiver.result_texture;
+                let mut source = texture.as_image_copy();
+                source.origin.z = layer;
+                ctx.command_encoder()
+                    .copy_texture_to_texture(source, old.as_image_copy(), old.size());
+            }
             let list = TileList {
                 tiles,
                 textures: &self.map.textures,
                 first_tile: self.report.tiles.len() as u32,
                 counting: Some(Counting {
-                    old_result: old_view,
+                    old_results,
                     reports: &reports,
                     tolerance,
                 }),
@@ -258,7 +257,7 @@ impl TileFrame<'_> {
         let bytes = self.read_back(&reports).unwrap_or_default();
         let mut found = read_reports(&bytes);
         found.resize(tiles.len(), TileReport::EMPTY);
-        let old_bytes = u64::from(self.picture.x) * u64::from(self.picture.y) * 2;
+        let old_bytes = u64::from(self.picture.x) * u64::from(self.picture.y) * 2 * self.map.old_results.len() as u64;
         self.report.buffer_bytes = self.report.buffer_bytes.max(old_bytes + 2 * reports.size());
         self.report
             .tiles
@@ -285,36 +284,14 @@ impl TileFrame<'_> {
         memory.read(&device)?.pop()
     }
 
-    /// A copy of the shadow result for counting.
-    fn prepare_old_result(&mut self) {
-        let has_size = |texture: &Texture| UVec2::new(texture.width(), texture.height()) == self.picture;
-        if self
-            .map
-            .old_result
-            .as_ref()
-            .is_some_and(|(texture, _)| has_size(texture))
-        {
-            return;
-        }
-        let texture = self
-            .world
-            .resource::<RenderDevice>()
-            .create_texture(&TextureDescriptor {
-                label: Some("umbrage_old_result"),
-                size: Extent3d {
-                    width: self.picture.x,
-                    height: self.picture.y,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format: RESULT_FORMAT,
-                usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-                view_formats: &[],
-            });
-        let view = texture.create_view(&TextureViewDescriptor::default());
-        self.map.old_result = Some((texture, view));
+    /// Textures for copies of all shadow results.
+    fn prepare_old_results(&mut self) {
+        let count = receivers(self.world, self.camera).len();
+        let (device, picture) = (self.world.resource::<RenderDevice>(), self.picture);
+        let old_results = &mut self.map.old_results;
+        old_results.retain(|(texture, _)| UVec2::new(texture.width(), texture.height()) == picture);
+        let create = || create_target(device, "umbrage_old_result", picture, RESULT_FORMAT);
+        old_results.resize_with(count, create);
     }
 
     /// Everything is lit, no caster is drawn.

@@ -24,8 +24,8 @@ pub struct TileDraw {
     pub tile: Tile,
     /// What is drawn of it: core and margins.
     pub window: TileWindow,
-    /// The texture that is asked for: at least as large as the window, which lies in its corner. Where memory is short it
-    /// lies in the corner of a larger one.
+    /// The cell that is asked for: at least as large as the window, which lies in its corner. Where memory is short it lies in
+    /// the corner of a larger one.
     pub texture: UVec2,
     /// Pixels of the picture that may look into it.
     pub rect: PixelRect,
@@ -50,14 +50,15 @@ impl TileDraw {
 
     /// What its apply pass reads. Lookups are made in texels of the whole map at the tile's resolution, so that a tile
     /// holds exactly the texels of one map of that size.
-    pub fn gpu(&self, report: u32, tolerance: f32) -> GpuShadowTile {
+    /// `origin`: first texel of the cell that it is drawn into.
+    pub fn gpu(&self, origin: UVec2, report: u32, tolerance: f32) -> GpuShadowTile {
         let core = self.window.core().as_ivec2();
         let map = self.tile.counts.as_ivec2() * core;
         let first = self.tile.place.as_ivec2() * core - self.window.margin as i32;
         let last = first + self.window.size.as_ivec2() - 1;
         let bounds = [first.max(IVec2::ZERO), last.min(map - 1)].map(|texel| texel.as_vec2());
         GpuShadowTile {
-            rect: Vec4::from(((-first).as_vec2(), map.as_vec2())),
+            rect: Vec4::from(((origin.as_ivec2() - first).as_vec2(), map.as_vec2())),
             bounds: Vec4::from((bounds[0], bounds[1])),
             place: self.tile.place.as_vec2(),
             counts: self.tile.counts.as_vec2(),
@@ -95,8 +96,9 @@ mod tests {
             place: UVec2::new(3, 0),
             counts,
         };
-        let gpu = TileDraw::filling(tile, window, PixelRect::EMPTY).gpu(7, 0.5);
-        assert_eq!(gpu.rect, Vec4::new(-191.0, 1.0, 256.0, 64.0));
+        let gpu = TileDraw::filling(tile, window, PixelRect::EMPTY);
+        let gpu = gpu.gpu(UVec2::new(66, 0), 7, 0.5);
+        assert_eq!(gpu.rect, Vec4::new(66.0 - 191.0, 1.0, 256.0, 64.0));
         // The margin beyond the map's border is not looked up.
         assert_eq!(gpu.bounds, Vec4::new(191.0, 0.0, 255.0, 32.0));
         assert_eq!((gpu.place, gpu.counts), (Vec2::new(3.0, 0.0), Vec2::new(4.0, 2.0)));
