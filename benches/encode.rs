@@ -10,7 +10,11 @@ use bevy::{
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 use umbrage::{
-    cli::headless, level::find::asset_root, prelude::*, render::capture::readable_target, shadow::timing::SystemTimes,
+    cli::headless,
+    level::find::asset_root,
+    prelude::*,
+    render::{capture::readable_target, virtual_map::report::VirtualMapReports},
+    shadow::timing::SystemTimes,
 };
 
 /// The system that records the tiles of all cameras.
@@ -70,6 +74,15 @@ fn tiles(criterion: &mut Criterion) {
         tile_size: 16,
         ..TiledMaps::default()
     }));
+    let cameras: Vec<Entity> = app
+        .world_mut()
+        .query_filtered::<Entity, With<Camera3d>>()
+        .iter(app.world())
+        .collect();
+    let reports = app.world().resource::<VirtualMapReports>();
+    let drawn = cameras.iter().filter_map(|camera| reports.get(*camera));
+    let drawn: Vec<usize> = drawn.map(|report| report.tiles.len()).collect();
+    assert_eq!(drawn, [256], "tiles of the camera");
     let times = SystemTimes::of(&mut app);
     times.switch(true);
     criterion.bench_function("recording of 256 tiles", |bencher| {
@@ -78,7 +91,8 @@ fn tiles(criterion: &mut Criterion) {
             for _ in 0..frames {
                 headless::frame(&mut app);
             }
-            times.take().get(SYSTEM).copied().unwrap_or(Duration::ZERO)
+            let taken = times.take().get(SYSTEM).copied();
+            taken.unwrap_or_else(|| panic!("no system {SYSTEM} was timed"))
         });
     });
 }

@@ -55,8 +55,12 @@ fn techniques() {
         say(format!("{name:<20} {technique}: {}", technique.summary()));
     }
     say("\nkeys, as in zp4+lispsm:size=1024,filter=hard");
-    for (key, values) in keys() {
-        say(format!("{key:<20} {values}"));
+    for (key, values, bases) in keys() {
+        if bases.is_empty() {
+            say(format!("{key:<20} {values}"));
+        } else {
+            say(format!("{key:<20} {values} ({})", bases.join("; ")));
+        }
     }
 }
 

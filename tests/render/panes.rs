@@ -155,7 +155,11 @@ fn blended(behind: [u8; 3], pane: [u8; 3]) -> [u8; 3] {
 
 #[test]
 fn every_pane_has_the_shadow_of_a_board() {
-    for technique in ["zp4+lispsm:size=512", "fitted:n=8,tile_max=256"] {
+    for technique in [
+        "zp4+lispsm:size=512",
+        "fitted:n=8,tile_max=256",
+        "queried:min=0,max=16,tile=64,tile_max=256",
+    ] {
         let mut panes = Panes::new(&with(technique, "fallback=off"), false);
         let through_lit = {
             panes.use_technique(&with(technique, "transparent_layer=nearest,fallback=off"));

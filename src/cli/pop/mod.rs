@@ -131,7 +131,12 @@ fn camera_path<'a>(scene: &'a LoadedScene, args: &Pop) -> Result<&'a CameraPath,
     };
     found.ok_or_else(|| {
         let names = shots::list(scene.paths.iter().map(|path| path.name.as_str()));
-        Failure::Usage(format!("{} has no such camera path; it has {names}", scene.name))
+        Failure::Usage(match &args.path {
+            Some(name) if !scene.paths.is_empty() => {
+                format!("{} has no camera path {name}; it has {names}", scene.name)
+            }
+            _ => format!("{} has no camera path to walk along", scene.name),
+        })
     })
 }
 

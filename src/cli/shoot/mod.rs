@@ -160,9 +160,28 @@ impl Session<'_> {
     fn shoot_scene(&mut self, source: &SceneSource) -> Result<(), Failure> {
         let (shots, sun) = self.enter(source)?;
         let scene = source.name();
+        self.claim_names(&scene, &shots)?;
         self.bar.inc_length((shots.len() * self.args.techniques.len()) as u64);
         for (place, shot) in shots {
             self.shoot_shot(&scene, place, &shot, sun)?;
+        }
+        Ok(())
+    }
+
+    /// Checks the names of all pictures of a scene before the first is drawn.
+    fn claim_names(&mut self, scene: &str, shots: &[(usize, Shot)]) -> Result<(), Failure> {
+        for (_, shot) in shots {
+            for technique in &self.args.techniques {
+                for pass in &self.args.passes {
+                    let name = pictures::file_name(scene, &shot.name, &technique.text, pass);
+                    if self.names.contains(&name) {
+                        return Err(Failure::Usage(format!(
+                            "two pictures would be called {name}; give scenes, shots and techniques names that differ in [a-z0-9]"
+                        )));
+                    }
+                    self.names.insert(name);
+                }
+            }
         }
         Ok(())
     }
@@ -286,11 +305,6 @@ impl Session<'_> {
         }
         for (pass, texels) in texels {
             let name = pictures::file_name(scene, &shot.name, &technique.text, pass);
-            if !self.names.insert(name.clone()) {
-                return Err(Failure::Usage(format!(
-                    "two pictures would be called {name}; give scenes, shots and techniques names that differ in [a-z0-9]"
-                )));
-            }
             let path = self.args.out.join(&name);
             pictures::write_png(&path, &texels, pass, shot.far).map_err(Failure::failed)?;
             if io::stdout().is_terminal() {

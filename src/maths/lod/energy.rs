@@ -70,5 +70,6 @@ pub fn picture_energy(before: &[u8], after: &[u8]) -> f64 {
             let change = |i: usize| (light[usize::from(a[i])] - light[usize::from(b[i])]).powi(2);
             change(0) + change(1) + change(2)
         })
-        .sum()
+        // The sum of nothing is -0.
+        .fold(0.0, |sum, energy| sum + energy)
 }

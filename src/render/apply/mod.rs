@@ -1,5 +1,5 @@
 //! The apply pass: one full-screen draw turns the atlas and the depth prepass into the shadow result; where levels of
-//! detail fade, one per layer does the same for their nearest surfaces, and one for the nearest transparent ones.
+//! detail fade, one per layer does the same for their nearest surfaces, and one per layer of transparent ones.
 
 use bevy::{
     core_pipeline::{FullscreenShader, schedule::Core3d},

@@ -15,7 +15,7 @@ use bevy::{
     },
     prelude::*,
     render::{
-        Render, RenderApp, RenderStartup, RenderSystems,
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
@@ -117,7 +117,7 @@ impl Plugin for HeatMapPlugin {
             return;
         };
         render_app
-            .init_resource::<SpecializedRenderPipelines<HeatMapPipeline>>()
+            .init_gpu_resource::<SpecializedRenderPipelines<HeatMapPipeline>>()
             .add_systems(RenderStartup, init_pipeline)
             .add_systems(Render, prepare.in_set(RenderSystems::PrepareResources))
             .add_systems(Core3d, draw.in_set(Core3dSystems::PostProcess).after(tonemapping));

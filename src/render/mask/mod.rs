@@ -18,7 +18,7 @@ use bevy::{
     pbr::MeshPipelineSystems,
     prelude::*,
     render::{
-        Render, RenderApp, RenderStartup, RenderSystems,
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{SpecializedRenderPipelines, TextureFormat},
     },
@@ -72,7 +72,7 @@ impl Plugin for MaskPlugin {
             return;
         };
         render_app
-            .init_resource::<SpecializedRenderPipelines<pass::MaskPipeline>>()
+            .init_gpu_resource::<SpecializedRenderPipelines<pass::MaskPipeline>>()
             .add_systems(RenderStartup, pass::init_pipeline.after(MeshPipelineSystems))
             .add_systems(Render, pass::prepare_views.in_set(RenderSystems::Prepare))
             .add_systems(

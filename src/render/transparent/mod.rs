@@ -24,15 +24,15 @@
 //! depth test chooses the layer, so that unlit materials are drawn once per fragment, too.
 //!
 //! # Limits
-//! Transmissive materials and fragments that a material discards have no result; those that it makes fully clear take up a
-//! place. The results have neither blur nor history. Planes come from depths alone: there are no normals. Needs `Msaa::Off`,
+//! Transmissive materials have no result. Layers know meshes, not materials: fragments that a material discards or makes fully
+//! clear take up a place. The results have neither blur nor history. Planes come from depths alone: there are no normals. Needs `Msaa::Off`,
 //! as all of the full path.
 //!
 //! Nearest: what is behind the nearest one reads the fallback map.
 //!
-//! All: what is behind the last layer is not drawn. What is transparent but no material (gizmos, for one) and fading levels
-//! of detail are drawn in Bevy's own pass, as if they were behind all layers. What is not compiled yet is drawn there,
-//! too. A vertex shader must put its vertices at the same depths in two pipelines: Bevy's are made to promise it, others need
+//! All: what is behind the last layer is not drawn. What is transparent but no material (gizmos, for one), materials with a
+//! depth test of their own (forward decals) and fading levels of detail are drawn in Bevy's own pass, as if they were
+//! behind all layers. What is not compiled yet is drawn there, too. A vertex shader must put its vertices at the same depths in two pipelines: Bevy's are made to promise it, others need
 //! `@invariant` positions.
 
 mod draw;

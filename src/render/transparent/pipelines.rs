@@ -153,6 +153,11 @@ impl TransparentPipelines {
             return;
         }
         let original = cache.get_render_pipeline_descriptor(pipeline);
+        // What has a depth test of its own, as Bevy's forward decals have, stays in Bevy's pass.
+        let depth_test = original.depth_stencil.as_ref().and_then(|depth| depth.depth_compare);
+        if depth_test != Some(CompareFunction::GreaterEqual) {
+            return;
+        }
         let variants = LayeredPipelines {
             peel: [true, false].map(|is_first| cache.queue_render_pipeline(self.peeled(original, is_first))),
             draw: cache.queue_render_pipeline(at_layer(original)),

@@ -35,8 +35,8 @@ use bevy::{
     log::warn,
     prelude::*,
     render::{
-        Extract, ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand,
-        renderer::RenderDevice,
+        Extract, ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        render_phase::AddRenderCommand, renderer::RenderDevice,
     },
 };
 
@@ -60,7 +60,7 @@ impl Plugin for UnpopPlugin {
         app.add_plugins(MaterialPlugin::<material::FadingMaterial>::default());
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
             render_app
-                .init_resource::<nearest::NearestPipelines>()
+                .init_gpu_resource::<nearest::NearestPipelines>()
                 .init_resource::<layers::ExtractedLayers>()
                 .add_render_command::<Transparent3d, draw::DrawFading>()
                 .add_systems(ExtractSchedule, (layers::extract_layers, extract_fading_casters))

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{base::available, keys, warps};
+use super::{base::available, pairs::all_keys, warps};
 
 /// Why a text is no technique.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -67,5 +67,6 @@ impl TechniqueError {
 }
 
 fn key_list() -> String {
-    keys().map(|(key, _)| key).collect::<Vec<_>>().join(", ")
+    let names: Vec<_> = all_keys().into_iter().map(|key| key.name).collect();
+    names.join(", ")
 }

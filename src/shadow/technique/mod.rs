@@ -112,9 +112,11 @@ pub const PRESETS: [(&str, SunShadows); 4] = [
     ("ultra", SunShadows::ULTRA),
 ];
 
-/// The keys after the colon, with the values that they take.
-pub fn keys() -> impl Iterator<Item = (&'static str, &'static str)> {
-    pairs::all_keys().into_iter().map(|key| (key.name, key.values))
+/// The keys after the colon, with the values that they take and the bases that take them; of all bases where none is named. A
+/// key may mean one thing to one base and another to the next.
+pub fn keys() -> impl Iterator<Item = (&'static str, &'static str, Vec<&'static str>)> {
+    let keys = pairs::keys_of_bases().into_iter();
+    keys.map(|(key, bases)| (key.name, key.values, bases))
 }
 
 /// Texels per side of each of `count` maps that share one budget of 4096² texels: 4096 for one map, 2048 for two to

@@ -75,6 +75,26 @@ pub(super) fn all_keys() -> Vec<&'static Key> {
     keys
 }
 
+/// Every key with each set of values that it takes, once, and the bases whose own it is; none where it is of all of them.
+pub(super) fn keys_of_bases() -> Vec<(&'static Key, Vec<&'static str>)> {
+    let mut keys: Vec<(&Key, Vec<&str>)> = Vec::new();
+    let common = topics(&[]).map(|topic| (topic, None));
+    let own = BASES
+        .into_iter()
+        .flat_map(|base| base.topics.iter().map(|topic| (*topic, Some(base.names))));
+    let tables = common.chain(own).map(|(topic, names)| (topic.keys, names));
+    for (table, names) in tables.chain([(stock_keys::KEYS, Some("bevy"))]) {
+        for key in table {
+            let is_same = |known: &Key| (known.name, known.values) == (key.name, key.values);
+            match keys.iter_mut().find(|(known, _)| is_same(known)) {
+                Some((_, bases)) => bases.extend(names.filter(|name| !bases.contains(name))),
+                None => keys.push((key, names.into_iter().collect())),
+            }
+        }
+    }
+    keys
+}
+
 /// Keys with their values, checked against [`all_keys`]. A name may mean one thing to one base and another to the next.
 pub(super) struct Pairs<'a>(Vec<(&'static Key, &'a str)>);
 

@@ -24,7 +24,7 @@ pub(super) const TOPIC: Topic = Topic {
         ),
         Key::full(
             "transparent_layers",
-            "1..=8, how many those of transparent_layer=all are",
+            "1..=8, the most that are drawn one behind the other with transparent_layer=all",
         ),
         Key::full("passes", "shared|each, of the casters"),
     ],

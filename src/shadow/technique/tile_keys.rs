@@ -74,6 +74,11 @@ pub(super) fn check(settings: &SunShadows, pairs: &Pairs) -> Result<(), Techniqu
             "`size=` means nothing with virtual maps, whose tiles have a side of `tile=`",
         ));
     }
+    if pairs.has("passes") {
+        return Err(TechniqueError::together(
+            "`passes=` means nothing with virtual maps: the casters of all tiles are those of one list",
+        ));
+    }
     let is_layered = pairs.read("store", |text| Some(["second", "midpoint"].contains(&text)))?;
     if is_layered == Some(true) {
         return Err(TechniqueError::together(
@@ -158,9 +163,16 @@ fn read_queried(settings: &mut SunShadows, pairs: &Pairs) -> Result<(), Techniqu
         whole(text, 1..=MAX_QUERIED_TILES)
     })?;
     set(&mut map.tile_size, pairs, "tile", |text| whole(text, TILE_SIZES))?;
-    set(&mut map.tile_size_max, pairs, "tile_max", |text| {
-        whole(text, TILE_SIZES)
-    })?;
+    match pairs.read("tile_max", |text| whole(text, TILE_SIZES))? {
+        Some(size) if size < map.tile_size => {
+            return Err(TechniqueError::together(format!(
+                "`tile_max={size}` is less than `tile={}`: tiles grow with a jump",
+                map.tile_size
+            )));
+        }
+        Some(size) => map.tile_size_max = size,
+        None => map.tile_size_max = map.tile_size_max.max(map.tile_size),
+    }
     set(&mut map.splitting, pairs, "parts", |text| by_name(&SPLITTINGS, text))?;
     read_jumps(map, pairs)?;
     set(&mut map.force_first_split, pairs, "split_first", switch)?;
@@ -290,6 +302,10 @@ mod tests {
             tiled
         );
         assert_eq!(settings("tiled+lispsm").warp, Warp::Lispsm);
+        assert_eq!(
+            settings("queried:tile=8192"),
+            settings("queried:tile=8192,tile_max=8192")
+        );
         let queried = settings("queried");
         assert_eq!(queried.maps, ShadowMaps::Queried(QueriedMaps::default()));
         assert_eq!(
@@ -311,6 +327,9 @@ mod tests {
             ("queried:min=1,share=0.5", &["two measures"]),
             ("queried:jumps=maximum,decay=0.5", &["jumps=opportunity"]),
             ("queried:min=-1", &["`min=-1`"]),
+            ("queried:tile=512,tile_max=256", &["`tile_max=256`", "`tile=512`"]),
+            ("tiled:passes=each", &["`passes=`"]),
+            ("fitted:passes=shared", &["`passes=`"]),
         ] {
             let message = text.parse::<Technique>().expect_err(text).to_string();
             for part in parts {
@@ -344,7 +363,7 @@ mod tests {
                     threshold,
                     max_tiles_per_axis: finest,
                     tile_size: size,
-                    tile_size_max: size_max,
+                    tile_size_max: size_max.max(size),
                     splitting,
                     maximum_jump: a,
                     opportunity_jump: jump.map(|(decay, exponent)| OpportunityJump { decay: f64::from(decay), exponent }),

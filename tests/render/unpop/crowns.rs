@@ -2,7 +2,13 @@
 
 use std::sync::Arc;
 
-use bevy::{core_pipeline::prepass::DeferredPrepass, pbr::DefaultOpaqueRendererMethod, prelude::*};
+use bevy::{
+    asset::RenderAssetUsages,
+    core_pipeline::prepass::DeferredPrepass,
+    mesh::{Indices, PrimitiveTopology},
+    pbr::DefaultOpaqueRendererMethod,
+    prelude::*,
+};
 use umbrage::{
     lod::{
         chain::LodChain,
@@ -122,6 +128,63 @@ fn fading_levels_are_lit_and_shadowed_like_opaque_ones() {
         // Fading crowns before each other, and rounding at the edges of leaves.
         assert!(jump < 0.005 * pop, "{technique}: {jump} of {pop}");
     }
+}
+
+/// Berries as wide as two pixels, whose vertex normals are up to 109 degrees apart: no plane goes through such pixels, and
+/// the normals of the prepass are short. Both levels are the same mesh and material, and texels are wide, so that shadows
+/// depend on the normals: nothing may change with the roles.
+#[test]
+fn rounded_foliage_has_its_normals_while_it_fades() {
+    let mut harness = stage();
+    let sign = |corner: u32, axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+    let corners = (0..8).map(|corner| [sign(corner, 0), sign(corner, 1), sign(corner, 2)]);
+    let corners: Vec<[f32; 3]> = corners.collect();
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let indices = faces.iter().flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]);
+    let berry = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.clone())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, corners)
+        .with_inserted_indices(Indices::U32(indices.collect()));
+    let place = |number: u32| {
+        let (turn, height) = (number as f32 * 2.4, number as f32 / 60.0 - 1.0);
+        let across = (1.0 - height * height).max(0.0).sqrt();
+        let middle = Vec3::new(across * turn.cos(), height, across * turn.sin()) * 1.5;
+        let place = Transform::from_translation(middle).with_rotation(Quat::from_rotation_y(turn));
+        berry.clone().transformed_by(place.with_scale(Vec3::splat(0.08)))
+    };
+    let mut crown = place(0);
+    for number in 1..120 {
+        crown.merge(&place(number)).expect("meshes of one kind");
+    }
+    let (crown, green) = (harness.mesh(crown), harness.material(Color::srgb(0.2, 0.5, 0.2)));
+    chain(
+        &mut harness,
+        Transform::default(),
+        &[(&crown, &green), (&crown, &green)],
+    );
+    let sun = harness.sun(
+        Vec3::new(-0.5, -0.8, -0.4),
+        match "uniform:size=16".parse() {
+            Ok(Technique::Umbrage(settings)) => settings,
+            other => panic!("no technique of Umbrage: {other:?}"),
+        },
+    );
+    harness.start();
+    let (before, after) = (picture_at(&mut harness, 0.4995), picture_at(&mut harness, 0.5));
+    let changed = share_beyond(&before, &after, 8);
+    let mut light = harness.app.world_mut().get_mut::<DirectionalLight>(sun).expect("a sun");
+    light.shadow_maps_enabled = false;
+    let shadowed = share_beyond(&after, &picture_at(&mut harness, 0.5), 8);
+    println!("{changed:.4} of the picture changes, {shadowed:.4} is in shadow");
+    assert!(shadowed > 0.02, "{shadowed} of the picture is in shadow");
+    assert!(changed * 50.0 < shadowed, "{changed} of the picture changes");
 }
 
 /// A crown ends to fade before another one that fades: what it covered keeps its nearest leaves and their shadows.

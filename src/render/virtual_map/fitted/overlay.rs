@@ -9,7 +9,7 @@ use bevy::{
     },
     prelude::*,
     render::{
-        Render, RenderApp, RenderStartup, RenderSystems,
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         camera::ExtractedCamera,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::{
@@ -51,7 +51,7 @@ impl Plugin for NeedOverlayPlugin {
             return;
         };
         render_app
-            .init_resource::<SpecializedRenderPipelines<OverlayPipeline>>()
+            .init_gpu_resource::<SpecializedRenderPipelines<OverlayPipeline>>()
             .add_systems(RenderStartup, init_pipeline)
             .add_systems(Render, prepare.in_set(RenderSystems::PrepareResources))
             .add_systems(Core3d, draw.in_set(Core3dSystems::PostProcess).after(tonemapping));
