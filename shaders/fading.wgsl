@@ -4,11 +4,15 @@
 // The last eight bits of the depth.
 const MOST: u32 = 255u;
 
-// A depth of reverse z, 0..1, that carries how much of the light the caster takes, 0..1. Never nearer to the light than the
-// depth, and farther by at most 2^-14 of it.
+// A depth of reverse z, 0..1, that carries how much of the light the caster takes, 0..1.
 fn fading_depth(depth: f32, share: f32) -> f32 {
-    let bits = max(bitcast<u32>(depth), 2u * (MOST + 1u)) & ~MOST;
-    return bitcast<f32>((bits - (MOST + 1u)) | u32(round(saturate(share) * f32(MOST))));
+    return bitcast<f32>((bitcast<u32>(depth) & ~MOST) | u32(round(saturate(share) * f32(MOST))));
+}
+
+// The depth that such a depth carries: the same for every share, or texels would change while shares do. Never nearer to the
+// light than the caster's, and farther by at most 2^-15 of it.
+fn depth_without_share(stored: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(stored) & ~MOST);
 }
 
 // The share that such a depth carries.

@@ -7,7 +7,7 @@
 #define_import_path umbrage::filter
 
 #import umbrage::bias::{ReceiverPlane, ndc_step}
-#import umbrage::fading::fading_share
+#import umbrage::fading::{depth_without_share, fading_share}
 
 // A receiver that is looked up in one map of an atlas.
 struct Lookup {
@@ -82,7 +82,7 @@ fn compare(atlas: texture_depth_2d, fading: texture_depth_2d, lookup: Lookup, ta
         return 1.0;
     }
     let stored = textureLoad(fading, texel, 0);
-    return select(1.0, 1.0 - fading_share(stored), stored > receiver);
+    return select(1.0, 1.0 - fading_share(stored), depth_without_share(stored) > receiver);
 }
 
 // No filter: the texel that holds the receiver.
@@ -186,7 +186,7 @@ fn search_blockers(
         var weight = select(0.0, 1.0, above > 0.0);
         if lookup.has_fading && weight == 0.0 {
             let stored = textureLoad(fading, texel, 0);
-            above = stored - receiver;
+            above = depth_without_share(stored) - receiver;
             weight = select(0.0, fading_share(stored), above > 0.0);
         }
         if weight > 0.0 {

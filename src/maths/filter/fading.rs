@@ -8,13 +8,18 @@
 /// The last eight bits of the depth.
 const MOST: u32 = 255;
 
-/// A depth of reverse z, 0..=1, that carries how much of the light the caster takes, 0..=1 (others are clamped). Never nearer
-/// to the light than the depth, and farther by at most 2⁻¹⁴ of it.
+/// A depth of reverse z, 0..=1, that carries how much of the light the caster takes, 0..=1 (others are clamped).
 #[must_use]
 pub fn fading_depth(depth: f32, share: f32) -> f32 {
-    let bits = depth.to_bits().max(2 * (MOST + 1)) & !MOST;
     let share = (share.clamp(0.0, 1.0) * MOST as f32).round() as u32;
-    f32::from_bits((bits - (MOST + 1)) | share)
+    f32::from_bits((depth.to_bits() & !MOST) | share)
+}
+
+/// The depth that such a depth carries: the same for every share, or texels would change while shares do. Never nearer to the
+/// light than the caster's, and farther by at most 2⁻¹⁵ of it.
+#[must_use]
+pub fn depth_without_share(stored: f32) -> f32 {
+    f32::from_bits(stored.to_bits() & !MOST)
 }
 
 /// The share that such a depth carries.
@@ -32,11 +37,10 @@ mod tests {
         for depth in [1.0, 0.75, 0.500_001, 0.1, 3e-4, 1e-20] {
             for share in [0.0, 0.1, 0.5, 0.9, 1.0] {
                 let stored = fading_depth(depth, share);
-                assert!(stored <= depth, "{stored} is nearer than {depth}");
-                assert!(
-                    stored >= depth * (1.0 - 1.0 / 16384.0),
-                    "{stored} is far behind {depth}"
-                );
+                let found = depth_without_share(stored);
+                assert!(found <= depth, "{found} is nearer than {depth}");
+                assert!(found >= depth * (1.0 - 1.0 / 32768.0), "{found} is far behind {depth}");
+                assert_eq!(found, depth_without_share(fading_depth(depth, 0.3)), "share {share}");
                 assert!((fading_share(stored) - share).abs() <= 0.501 / 255.0, "share {share}");
             }
         }
@@ -45,7 +49,11 @@ mod tests {
     #[test]
     fn nothing_has_no_share() {
         assert_eq!(fading_share(0.0), 0.0);
-        assert!(fading_depth(0.0, 1.0) < f32::MIN_POSITIVE, "the far end stays there");
+        assert_eq!(
+            depth_without_share(fading_depth(0.0, 1.0)),
+            0.0,
+            "the far end stays there"
+        );
         assert_eq!(fading_share(fading_depth(0.5, 7.0)), 1.0);
         assert_eq!(fading_share(fading_depth(0.5, f32::NAN)), 0.0);
     }

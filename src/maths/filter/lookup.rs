@@ -2,7 +2,7 @@
 
 use bevy_math::{IVec2, Vec2, Vec4, Vec4Swizzles};
 
-use super::fading::fading_share;
+use super::fading::{depth_without_share, fading_share};
 use crate::maths::bias::ReceiverPlane;
 
 /// The texels of the maps of one atlas; a function from texels to depths has no casters that fade.
@@ -85,7 +85,7 @@ pub fn compare(maps: &impl MapTexels, lookup: &Lookup, tap: Vec2) -> f32 {
         return 0.0;
     }
     match maps.fading(texel) {
-        Some(stored) if stored > receiver => 1.0 - fading_share(stored),
+        Some(stored) if depth_without_share(stored) > receiver => 1.0 - fading_share(stored),
         _ => 1.0,
     }
 }

@@ -7,7 +7,7 @@
 //! | step | functions |
 //! |---|---|
 //! | compare | [`lookup::compare`], [`lookup::receiver_depth`] |
-//! | casters that fade | [`fading::fading_depth`], [`fading::fading_share`] |
+//! | casters that fade | [`fading::fading_depth`], [`fading::depth_without_share`], [`fading::fading_share`] |
 //! | one lookup | [`lookup::hard`], [`lookup::four_taps`], [`lookup::bilinear`] |
 //! | taps | [`disc::disc_tap`], [`disc::pixel_angle`] |
 //! | kernel in the world | [`kernel::kernel_per_metre`], [`kernel::scaled`] |

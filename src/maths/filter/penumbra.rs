@@ -12,7 +12,7 @@
 
 use super::{
     disc::{disc, disc_tap, tap_texel},
-    fading::fading_share,
+    fading::{depth_without_share, fading_share},
     kernel::{Kernel, scaled},
     lookup::{Lookup, MapTexels, bilinear, read_texel, receiver_depth, receiver_texel},
 };
@@ -41,7 +41,9 @@ pub fn search_blockers(maps: &impl MapTexels, lookup: &Lookup, kernel: &Kernel, 
         let receiver = receiver_depth(lookup, tap);
         let (above, weight) = match maps.fading(texel) {
             _ if maps.depth(texel) > receiver => (maps.depth(texel) - receiver, 1.0),
-            Some(stored) if stored > receiver => (stored - receiver, fading_share(stored)),
+            Some(stored) if depth_without_share(stored) > receiver => {
+                (depth_without_share(stored) - receiver, fading_share(stored))
+            }
             _ => continue,
         };
         blockers.weight += weight;
