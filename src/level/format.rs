@@ -139,6 +139,15 @@ pub enum Room {
         /// How far a wire sags in the middle.
         sag: f32,
     },
+    /// Panes of glass one behind the other along the plane's z axis, under beams whose shadows fall on them.
+    Glass {
+        /// How many.
+        panes: u32,
+        /// Distance between them.
+        spacing: f32,
+        /// Height of a pane; it is half as wide again.
+        height: f32,
+    },
     /// A wall across the plane, a row of poles before it, and a card that stands on the plane between both.
     Wall {
         /// Where the wall stands, on the z axis; it looks along +z.

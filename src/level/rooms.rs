@@ -4,13 +4,13 @@ use bevy_math::{Vec2, Vec3};
 
 use super::{
     format::{Level, Room, StressTrees},
-    ground::{Ground, Surface},
+    ground::{Blocker, BlockerShape, Ground, Surface},
     grove::{self, Grove},
     land::Land,
-    meshes::MeshData,
+    meshes::{MeshData, Rgb},
     model::{Model, Placement},
     props,
-    scenery::{Scenery, Static},
+    scenery::{Finish, Scenery, Static},
 };
 
 /// Generates a room.
@@ -18,6 +18,7 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
     let size = level.terrain.size;
     let mut statics = vec![plane(size)];
     let mut placements = Vec::new();
+    let mut blockers = Vec::new();
     match room {
         Room::PlaneBox { side } => placements.push(Placement {
             scale: Vec3::splat(side),
@@ -77,6 +78,54 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 }
             }
         }
+        Room::Glass { panes, spacing, height } => {
+            let places: Vec<f32> = stations(spacing * panes as f32, spacing).collect();
+            let (width, depth) = (1.5 * height, spacing * panes as f32);
+            for (number, z) in places.iter().enumerate() {
+                // Each a bit beside the next, so that as many overlap as the eye meets.
+                let x = 0.2 * width * (number as f32 - 0.5 * (panes - 1) as f32);
+                let [left, right] = [x - 0.5 * width, x + 0.5 * width];
+                let corner = |x: f32, y: f32| Vec3::new(x, y, *z);
+                let mut mesh = MeshData::default();
+                mesh.push_quad(
+                    [
+                        corner(left, 0.0),
+                        corner(right, 0.0),
+                        corner(right, height),
+                        corner(left, height),
+                    ],
+                    GLASS[number % GLASS.len()],
+                );
+                statics.push(Static {
+                    name: "pane",
+                    mesh,
+                    finish: Finish::Glass,
+                });
+                blockers.push(Blocker {
+                    center: Vec2::new(x, *z),
+                    shape: BlockerShape::Box {
+                        half: Vec2::new(0.5 * width, 0.02),
+                        yaw: 0.0,
+                    },
+                    bottom: -1.0,
+                    top: height,
+                });
+            }
+            let overhang = depth + height;
+            for x in stations(2.0 * width, 0.4 * height) {
+                placements.push(Placement {
+                    scale: Vec3::new(0.08 * height, 0.08 * height, overhang),
+                    ..Placement::upright(Model::Cube(2), Vec3::new(x, 1.3 * height, 0.0), 0.0)
+                });
+            }
+            for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+                let foot = Vec3::new(x * width, 0.0, 0.45 * z * overhang);
+                placements.push(Placement {
+                    scale: Vec3::new(0.1 * height, 1.4 * height, 0.1 * height),
+                    ..Placement::upright(Model::Pole(2), foot, 0.0)
+                });
+            }
+        }
         Room::Wall {
             place,
             height,
@@ -99,8 +148,17 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
             }
         }
     }
-    finish(size, statics, placements)
+    blockers.extend(placements.iter().filter_map(Placement::blocker));
+    Scenery {
+        statics,
+        placements,
+        ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers).within(size),
+        ..Scenery::default()
+    }
 }
+
+/// Colours of panes, from the farthest on.
+const GLASS: [Rgb; 3] = [[0.8, 0.35, 0.25], [0.3, 0.75, 0.4], [0.3, 0.45, 0.85]];
 
 /// Thickness of a wall, metres.
 const WALL: f32 = 0.3;
@@ -128,16 +186,6 @@ pub fn stress_trees(level: &Level, trees: StressTrees) -> Scenery {
         patches,
         placements: grove.trees().collect(),
         ground,
-        ..Scenery::default()
-    }
-}
-
-fn finish(size: Vec2, statics: Vec<Static>, placements: Vec<Placement>) -> Scenery {
-    let blockers = placements.iter().filter_map(Placement::blocker).collect();
-    Scenery {
-        statics,
-        placements,
-        ground: Ground::new(Surface::Flat(0.0), Vec::new(), blockers).within(size),
         ..Scenery::default()
     }
 }

@@ -34,7 +34,7 @@ pub struct Scenery {
 pub struct Static {
     /// For inspectors.
     pub name: &'static str,
-    /// Triangles, opaque.
+    /// Triangles.
     pub mesh: MeshData,
     /// How its surface looks.
     pub finish: Finish,
@@ -80,6 +80,8 @@ pub enum Finish {
     Cover(Cover),
     /// Still, dark water.
     Water,
+    /// Glass in the vertices' colours, half clear; casts no shadow.
+    Glass,
 }
 
 impl Static {

@@ -204,6 +204,7 @@ pub struct LevelAssets<'w> {
 pub struct Palette {
     solid: Handle<StandardMaterial>,
     water: Handle<StandardMaterial>,
+    glass: Handle<StandardMaterial>,
     models: HashMap<Model, (Handle<Mesh>, Aabb)>,
     trees: Vec<Vec<(Handle<Mesh>, Aabb)>>,
     shared: HashMap<Shared, Vec<((Handle<Mesh>, Aabb), Range<f32>)>>,
@@ -253,6 +254,14 @@ impl Palette {
                 base_color: Color::linear_rgb(0.012, 0.018, 0.014),
                 perceptual_roughness: 0.32,
                 reflectance: 0.35,
+                ..default()
+            }),
+            glass: assets.materials.add(StandardMaterial {
+                base_color: Color::WHITE.with_alpha(0.5),
+                alpha_mode: AlphaMode::Blend,
+                perceptual_roughness: 0.4,
+                double_sided: true,
+                cull_mode: None,
                 ..default()
             }),
             models: models
@@ -314,6 +323,7 @@ impl Palette {
             match (cover, finish) {
                 (Some(cover), _) => entity.insert(MeshMaterial3d(cover)),
                 (None, Finish::Water) => entity.insert((MeshMaterial3d(self.water.clone()), NotShadowCaster)),
+                (None, Finish::Glass) => entity.insert((MeshMaterial3d(self.glass.clone()), NotShadowCaster)),
                 (None, _) => entity.insert(MeshMaterial3d(self.solid.clone())),
             };
         }

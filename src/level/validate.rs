@@ -402,6 +402,11 @@ impl Generator {
                 number("generator.diameter", *diameter, 0.0005, 1.0)?;
                 number("generator.sag", *sag, 0.0, 0.9 * height)
             }
+            Self::Room(Room::Glass { panes, spacing, height }) => {
+                count("generator.panes", *panes, 1, 100)?;
+                number("generator.spacing", *spacing, 0.1, 100.0)?;
+                number("generator.height", *height, 0.1, 100.0)
+            }
             Self::Room(Room::Wall {
                 place,
                 height,

@@ -30,6 +30,7 @@ fn every_level_is_read_and_calls_itself_by_its_path() {
         "forest",
         "room/dueling_light",
         "room/fence",
+        "room/glass",
         "room/grazed_card",
         "room/light_from_top",
         "room/long_plane",

@@ -282,6 +282,7 @@ fn a_walker_is_stopped_by_trunks_walls_and_fences() {
         ("forest", 2000),
         ("city", 150),
         ("room/fence", 70),
+        ("room/glass", 7),
         ("room/plane_box", 1),
     ] {
         let scenery = generate(&level(name));
