@@ -1,4 +1,5 @@
-//! Shadows on semitransparent surfaces, which the depth picture does not show (Giegl, section 5.13).
+//! Shadows on semitransparent surfaces, which the depth picture does not show (Giegl, section 5.13): the strategies of the
+//! thesis and what they cost. How they are drawn, in the render room's `transparent`, differs from that in the last one.
 
 use super::{fitted::FittedPlan, picture::PixelRect};
 
@@ -15,7 +16,8 @@ pub enum TransparentShadows {
     /// The nearest semitransparent surface is a second picture with its own depths and shadow result; both pictures
     /// count in the needs.
     SecondLayer,
-    /// Drawn once per tile within the tile's rectangle, while the tile is alive: exact for any number of layers.
+    /// Drawn once per tile within the tile's rectangle, while the tile is alive: exact for any number of layers. What is
+    /// drawn is that once per layer of depth, so that surfaces are blended in order for maps of any kind.
     MultiPass,
 }
 
@@ -91,6 +93,9 @@ pub enum ShadowSource {
 ///
 /// A fragment on the opaque surface itself (a decal, a fading level of detail) has the opaque result, whatever the
 /// strategy. Under the second layer, fragments behind the nearest one fall back to the single map.
+///
+/// The shader (`bridge/fetch_shadow.wgsl`) has a tolerance for each: what is within 10⁻⁴ of the opaque surface is that,
+/// then 10⁻³ of the nearest, whose depth has lost eight bits, then 10⁻² of the opaque one.
 pub fn shadow_source(
     strategy: TransparentShadows,
     depth: f64,

@@ -282,7 +282,7 @@ impl<'a> Recording<'a> {
             plan,
             views,
             slots: slots(&views.light_views).filter(|slots| !slots.is_empty())?,
-            fading_slots: slots(&views.fading_views).unwrap_or_default(),
+            fading_slots: slots(&views.fading_views)?,
             view_buffer: view_uniforms.buffer()?,
             camera: camera.get()?,
             view_offset: camera.get::<ViewUniformOffset>()?.offset,

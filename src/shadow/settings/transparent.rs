@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 use bevy::prelude::*;
 
 /// Which transparent surfaces have shadow results of their own, as sharp as those of opaque ones, on the full path (Giegl
-/// 2007, section 5.13). The others, and what is transmissive, read the fallback map. How they are drawn:
-/// [`render::transparent`](crate::render::transparent).
+/// 2007, section 5.13). The others, and what is transmissive, read the fallback map. How they are drawn, and limits:
+/// [`render::transparent`](crate::render::transparent). The films of [light planes](crate::shadow::light_plane) are laid for
+/// opaque surfaces: glass beside those finds its shadows there only as far as films reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 pub enum TransparentLayers {
     /// None. The default: most pictures show little glass, and errors fade with its transparency.
