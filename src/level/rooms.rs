@@ -8,7 +8,7 @@ use super::{
     grove::{self, Grove},
     land::Land,
     meshes::{MeshData, Rgb},
-    model::{Model, Placement},
+    model::{Model, PRIMITIVE_PAINTS, Placement},
     props,
     scenery::{Finish, Scenery, Static},
 };
@@ -112,12 +112,13 @@ pub fn generate(level: &Level, room: Room) -> Scenery {
                 });
             }
             let overhang = depth + height;
+            let mut beams = MeshData::default();
             for x in stations(2.0 * width, 0.4 * height) {
-                placements.push(Placement {
-                    scale: Vec3::new(0.08 * height, 0.08 * height, overhang),
-                    ..Placement::upright(Model::Cube(2), Vec3::new(x, 1.3 * height, 0.0), 0.0)
-                });
+                let middle = Vec3::new(x, 1.34 * height, 0.0);
+                let size = Vec3::new(0.08 * height, 0.08 * height, overhang);
+                beams.push_box(middle, size, PRIMITIVE_PAINTS[2]);
             }
+            statics.push(Static::colored("beams", beams));
             for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
                 let foot = Vec3::new(x * width, 0.0, 0.45 * z * overhang);
                 placements.push(Placement {
