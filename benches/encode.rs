@@ -3,7 +3,7 @@
 //!
 //! Target: 2 ms, median. The times are those of the system that records virtual maps, taken from whole frames.
 
-use std::{path::Path, time::Duration};
+use std::path::Path;
 
 use bevy::{
     camera::RenderTarget, core_pipeline::prepass::DepthPrepass, prelude::*, render::render_resource::TextureFormat,
