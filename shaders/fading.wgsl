@@ -3,10 +3,14 @@
 
 // The last eight bits of the depth.
 const MOST: u32 = 255u;
+// The largest number below 1, in bits: depths of 1 (casters before the near plane) would lose their share in a texture, which
+// holds nothing larger.
+const LARGEST: u32 = 0x3f7fffffu;
 
 // A depth of reverse z, 0..1, that carries how much of the light the caster takes, 0..1.
 fn fading_depth(depth: f32, share: f32) -> f32 {
-    return bitcast<f32>((bitcast<u32>(depth) & ~MOST) | u32(round(saturate(share) * f32(MOST))));
+    let bits = min(bitcast<u32>(depth), LARGEST) & ~MOST;
+    return bitcast<f32>(bits | u32(round(saturate(share) * f32(MOST))));
 }
 
 // The depth that such a depth carries: the same for every share, or texels would change while shares do. Never nearer to the

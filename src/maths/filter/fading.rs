@@ -7,12 +7,15 @@
 
 /// The last eight bits of the depth.
 const MOST: u32 = 255;
+/// The largest number below 1, in bits: depths of 1 (casters before the near plane) would lose their share in a texture, which
+/// holds nothing larger.
+const LARGEST: u32 = 0x3f7f_ffff;
 
 /// A depth of reverse z, 0..=1, that carries how much of the light the caster takes, 0..=1 (others are clamped).
 #[must_use]
 pub fn fading_depth(depth: f32, share: f32) -> f32 {
     let share = (share.clamp(0.0, 1.0) * MOST as f32).round() as u32;
-    f32::from_bits((depth.to_bits() & !MOST) | share)
+    f32::from_bits((depth.to_bits().min(LARGEST) & !MOST) | share)
 }
 
 /// The depth that such a depth carries: the same for every share, or texels would change while shares do. Never nearer to the
@@ -37,6 +40,7 @@ mod tests {
         for depth in [1.0, 0.75, 0.500_001, 0.1, 3e-4, 1e-20] {
             for share in [0.0, 0.1, 0.5, 0.9, 1.0] {
                 let stored = fading_depth(depth, share);
+                assert!(stored < 1.0, "a texture holds no larger number than 1");
                 let found = depth_without_share(stored);
                 assert!(found <= depth, "{found} is nearer than {depth}");
                 assert!(found >= depth * (1.0 - 1.0 / 32768.0), "{found} is far behind {depth}");

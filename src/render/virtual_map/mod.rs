@@ -8,7 +8,7 @@
 //!              └─► draw_virtual_maps, an exclusive system, for each camera:
 //!                    lists of tiles                                            tiled, queried, fitted
 //!                    └─► waves of up to 16 tiles: one culling dispatch         record
-//!                        ├─► each tile: casters ─► a texture of its own        textures
+//!                        ├─► each tile: casters ─► a cell of a texture         textures
 //!                        └─► all of them ─► result                             apply_tile.wgsl
 //!                    └─► counts of changed pixels read back, next list         queried
 //! ```
@@ -129,7 +129,7 @@ pub struct VirtualMap {
 }
 
 impl VirtualMap {
-    /// The largest tile texture; it holds the tile that was drawn into it last.
+    /// The tile texture with the largest cells; each holds the tile that was drawn into it last.
     pub fn texture(&self) -> Option<&Texture> {
         self.textures.largest()
     }

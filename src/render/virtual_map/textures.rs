@@ -67,8 +67,9 @@ impl TileTextures {
     /// the largest down, else tiles use the corner of a larger one. What is left of the budget goes to more cells, of the
     /// smallest first, so that many tiles can be drawn and applied together.
     ///
-    /// The largest is made even if it does not fit: that is for the caller to avoid. `fades`: whether casters fade, which
-    /// takes half of the budget.
+    /// What no larger cell holds is made even if it does not fit: that is for the caller to avoid. `fades`: whether casters
+    /// fade, which takes half of the budget; a tile that takes more than half then exceeds it, up to twice, because a
+    /// smaller one would be seen to change.
     pub fn prepare(&mut self, device: &RenderDevice, sizes: &[UVec2], budget_bytes: u64, fades: bool) {
         let wanted = affordable(sizes, if fades { budget_bytes / 2 } else { budget_bytes });
         let largest = device.limits().max_texture_dimension_2d;
