@@ -3,7 +3,7 @@
 //!
 //! Target: 2 ms, median. The times are those of the system that records virtual maps, taken from whole frames.
 
-use std::path::Path;
+use std::{path::Path, time::Duration};
 
 use bevy::{
     camera::RenderTarget, core_pipeline::prepass::DepthPrepass, prelude::*, render::render_resource::TextureFormat,
@@ -68,38 +68,62 @@ fn app(maps: ShadowMaps) -> App {
     app
 }
 
+/// Tiles that a pass draws together, and settings in which as many fit the memory.
+const CASES: [(u32, TiledMaps); 2] = [
+    (
+        16,
+        TiledMaps {
+            tiles_per_axis: 16,
+            tile_size: 16,
+            skip_empty: false,
+            progressive: false,
+            memory: 64,
+        },
+    ),
+    // As tiles of 2048² in 64 MiB.
+    (
+        4,
+        TiledMaps {
+            tiles_per_axis: 16,
+            tile_size: 256,
+            skip_empty: false,
+            progressive: false,
+            memory: 1,
+        },
+    ),
+];
+
 fn tiles(criterion: &mut Criterion) {
-    let mut app = app(ShadowMaps::Tiled(TiledMaps {
-        tiles_per_axis: 16,
-        tile_size: 16,
-        ..TiledMaps::default()
-    }));
-    let cameras: Vec<Entity> = app
-        .world_mut()
-        .query_filtered::<Entity, With<Camera3d>>()
-        .iter(app.world())
-        .collect();
-    let reports = app.world().resource::<VirtualMapReports>();
-    let drawn = cameras.iter().filter_map(|camera| reports.get(*camera));
-    let drawn: Vec<usize> = drawn.map(|report| report.tiles.len()).collect();
-    assert_eq!(drawn, [256], "tiles of the camera");
-    let times = SystemTimes::of(&mut app);
-    times.switch(true);
-    criterion.bench_function("recording of 256 tiles", |bencher| {
-        bencher.iter_custom(|frames| {
-            let _ = times.take();
-            for _ in 0..frames {
-                headless::frame(&mut app);
-            }
-            let taken = times.take().get(SYSTEM).copied();
-            taken.unwrap_or_else(|| panic!("no system {SYSTEM} was timed"))
+    for (together, maps) in CASES {
+        let mut app = app(ShadowMaps::Tiled(maps));
+        let cameras: Vec<Entity> = app
+            .world_mut()
+            .query_filtered::<Entity, With<Camera3d>>()
+            .iter(app.world())
+            .collect();
+        let reports = app.world().resource::<VirtualMapReports>();
+        let drawn = cameras.iter().filter_map(|camera| reports.get(*camera));
+        let drawn: Vec<usize> = drawn.map(|report| report.tiles.len()).collect();
+        assert_eq!(drawn, [256], "tiles of the camera");
+        let times = SystemTimes::of(&mut app);
+        times.switch(true);
+        criterion.bench_function(&format!("recording of 256 tiles, {together} per pass"), |bencher| {
+            bencher.iter_custom(|frames| {
+                let _ = times.take();
+                for _ in 0..frames {
+                    headless::frame(&mut app);
+                }
+                let taken = times.take().get(SYSTEM).copied();
+                taken.unwrap_or_else(|| panic!("no system {SYSTEM} was timed"))
+            });
         });
-    });
+    }
 }
 
 criterion_group! {
     name = benches;
-    config = Criterion::default().sample_size(20);
+    // Frames take longer than what is measured of them.
+    config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(1));
     targets = tiles
 }
 criterion_main!(benches);

@@ -145,16 +145,45 @@ fn planning(criterion: &mut Criterion) {
         UVec2::splat(256),
         &MappingOptions::default(),
     );
-    let map = FittedMap::default();
     let options = GridOptions::default();
     assert_eq!((options.tiles_per_axis, mapping.valid_texels() > 20_000), (32, true));
-    criterion.bench_function("plan of a fitted map, 256² mapping map, n = 32", |bencher| {
-        bencher.iter(|| map.plan(&NeedGrid::new(black_box(&mapping), &options)));
-    });
-    let grid = NeedGrid::new(&mapping, &options);
-    criterion.bench_function("plan of a fitted map from its grid, n = 32", |bencher| {
-        bencher.iter(|| map.plan(black_box(&grid)));
-    });
+    // What `fitted` draws, what the thesis does, and `fitted:xi=-2`; with 2 x 2 comparisons tiles are halves, and twice as many.
+    let drawn = FittedMap {
+        tile_cost: Some(65_536),
+        ..FittedMap::default()
+    };
+    let thesis = FittedMap {
+        tile_cost: None,
+        ..drawn
+    };
+    let filtered = FittedMap {
+        tiles_per_axis: 64,
+        tile_size_max: 2048,
+        margin: 1,
+        ..drawn
+    };
+    let fine = FittedMap {
+        quality_drop: -2,
+        ..filtered
+    };
+    for (name, map) in [
+        ("n = 32", drawn),
+        ("n = 32, as the thesis splits", thesis),
+        ("n = 64, 2 x 2 comparisons", filtered),
+        ("n = 64, 2 x 2 comparisons, xi = -2", fine),
+    ] {
+        let options = GridOptions {
+            tiles_per_axis: map.grid_tiles_per_axis(),
+            ..options
+        };
+        criterion.bench_function(&format!("plan of a fitted map, 256² mapping map, {name}"), |bencher| {
+            bencher.iter(|| map.plan(&NeedGrid::new(black_box(&mapping), &options)));
+        });
+        let grid = NeedGrid::new(&mapping, &options);
+        criterion.bench_function(&format!("plan of a fitted map from its grid, {name}"), |bencher| {
+            bencher.iter(|| map.plan(black_box(&grid)));
+        });
+    }
 }
 
 fn films(criterion: &mut Criterion) {

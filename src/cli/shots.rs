@@ -10,6 +10,8 @@ use crate::level::shot::Shot;
 
 /// Widest and tallest picture, in pixels.
 pub const MAX_SIZE: u32 = 8192;
+/// Largest number in a place or a direction: squares of larger ones leave single precision.
+const LARGEST: f32 = 1.0e9;
 
 /// Why shots cannot be taken.
 #[derive(Debug, Error)]
@@ -184,6 +186,11 @@ pub fn check(shot: &Shot) -> Result<(), String> {
     ] {
         if !Vec3::from(vector).is_finite() {
             return Err(format!("`{name}` is {vector:?}, but must be three finite numbers"));
+        }
+        if Vec3::from(vector).abs().max_element() > LARGEST {
+            return Err(format!(
+                "`{name}` is {vector:?}, but no number may be beyond ±{LARGEST}"
+            ));
         }
     }
     for (name, number) in [("fov_y_deg", shot.fov_y_deg), ("near", shot.near), ("far", shot.far)] {
@@ -368,6 +375,8 @@ mod tests {
             ("light_dir", "", "`light_dir` is missing"),
             ("position", "[0, null, 9]", "`position` is [0,null,9]"),
             ("position", "[1e300, 0, 9]", "`position`"),
+            ("position", "[1e30, 0, 9]", "±1000000000"),
+            ("up", "[0, -1e30, 0]", "`up` is [0.0, -1e30, 0.0]"),
             ("target", "[0, 1]", "`target`"),
             ("near", "\"x\"", "`near` is \"x\""),
             ("near", "-1", "`near` is -1"),

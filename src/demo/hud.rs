@@ -1,4 +1,4 @@
-//! Writes the head-up display: technique, its settings, frame time, place.
+//! Writes the head-up display: technique, its settings, frame time, place, tiles of virtual maps.
 
 use std::time::Duration;
 
@@ -20,6 +20,7 @@ use super::{
 use crate::{
     level::{LoadedScene, Sun, sky::course::clock},
     lod::LodCounts,
+    render::virtual_map::report::{VirtualMapReport, VirtualMapReports},
     shadow::{measured::VisibleDepthRange, technique::Technique},
     ui::hud::HudText,
 };
@@ -107,7 +108,8 @@ fn write_status(
     diagnostics: Res<DiagnosticsStore>,
     scene: Res<LoadedScene>,
     adapter: Option<Res<RenderAdapterInfo>>,
-    players: Query<(&Player, Option<&VisibleDepthRange>)>,
+    players: Query<(Entity, &Player, Option<&VisibleDepthRange>)>,
+    virtual_maps: Option<Res<VirtualMapReports>>,
     suns: Query<&Transform, With<Sun>>,
     day: Res<Day>,
     levels: Option<Res<LodCounts>>,
@@ -126,7 +128,7 @@ fn write_status(
     if let Some(adapter) = adapter {
         lines.push(ascii(&adapter.name));
     }
-    if let Ok((player, measured)) = players.single() {
+    if let Ok((camera, player, measured)) = players.single() {
         let eye = player.walker.eye();
         let mode = match player.walker.mode {
             Mode::Walk => "walking",
@@ -138,6 +140,9 @@ fn write_status(
                 "depths in the picture {:.2} to {:.1} m",
                 depths.nearest, depths.farthest
             ));
+        }
+        if let Some(report) = virtual_maps.and_then(|reports| reports.get(camera)) {
+            lines.extend(virtual_map_lines(&report));
         }
     }
     if let Some(sun) = suns.iter().next() {
@@ -169,9 +174,85 @@ fn write_status(
     }
 }
 
+/// Sizes of tiles that have a place in a line; the others are counted.
+const LISTED_SIZES: usize = 4;
+
+/// What a virtual map has drawn: tiles, texels, resolution, and how many tiles of each size.
+fn virtual_map_lines(report: &VirtualMapReport) -> Vec<String> {
+    if report.tiles.is_empty() {
+        return vec!["virtual map without tiles".to_owned()];
+    }
+    let mut first = format!(
+        "{} tiles, {:.1} M texels, as fine as {} x {}",
+        report.tiles.len(),
+        report.texels() as f64 / 1.0e6,
+        report.effective_resolution(),
+        report.effective_resolution()
+    );
+    if let Some(counts) = &report.fitted {
+        first += &format!(", {:.1} % capped", counts.capped_percent());
+    }
+    let sizes = report.sizes();
+    let (listed, others) = sizes.split_at(sizes.len().min(LISTED_SIZES));
+    let mut list: Vec<String> = listed
+        .iter()
+        .map(|(size, count)| format!("{count} of {} x {}", size.x, size.y))
+        .collect();
+    if !others.is_empty() {
+        let count: usize = others.iter().map(|(_, count)| count).sum();
+        list.push(format!("{count} smaller"));
+    }
+    vec![first, list.join(", ")]
+}
+
 /// The built-in font has ASCII only.
 fn ascii(text: &str) -> String {
     text.chars()
         .map(|letter| if letter.is_ascii() { letter } else { '?' })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        maths::virtual_map::{
+            picture::PixelRect,
+            tile::{Tile, TileWindow},
+        },
+        render::virtual_map::{fitted::plan::FittedCounts, report::DrawnTile, tiles::TileDraw},
+    };
+
+    #[test]
+    fn tiles_of_virtual_maps_are_listed() {
+        let tile = |side: u32, margin: u32| DrawnTile {
+            draw: TileDraw::filling(
+                Tile {
+                    place: UVec2::ZERO,
+                    counts: UVec2::splat(32),
+                },
+                TileWindow::of_size(UVec2::splat(side), margin),
+                PixelRect::EMPTY,
+            ),
+            report: None,
+            decision: None,
+        };
+        let sides = [66, 2050, 130, 258, 66, 514, 514, 34];
+        let mut report = VirtualMapReport::default();
+        assert_eq!(virtual_map_lines(&report), ["virtual map without tiles"]);
+        report.tiles = sides.map(|side| tile(side, 1)).to_vec();
+        assert_eq!(
+            virtual_map_lines(&report),
+            [
+                "8 tiles, 4.8 M texels, as fine as 65536 x 65536",
+                "1 of 2050 x 2050, 2 of 514 x 514, 1 of 258 x 258, 1 of 130 x 130, 3 smaller"
+            ]
+        );
+        report.fitted = Some(FittedCounts {
+            pixels: 200,
+            capped: 3,
+            ..default()
+        });
+        assert!(virtual_map_lines(&report)[0].ends_with(", 1.5 % capped"));
+    }
 }

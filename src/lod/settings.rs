@@ -113,6 +113,13 @@ impl LodKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
+    /// Whether the shadow of a level that fades may be a share of the light. Where both levels fade it is dithered.
+    #[must_use]
+    pub fn shares_shadow(self) -> bool {
+        // Chains that cannot morph fade.
+        matches!(self, Self::Geomorph | Self::Unpopping)
+    }
+
     /// How both levels are drawn.
     #[must_use]
     pub fn blend(self) -> BlendKind {

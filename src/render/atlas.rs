@@ -97,7 +97,7 @@ pub fn prepare_atlas(
             continue;
         };
         if sun.layout.side > 0 || atlas.is_none() {
-            let atlas = next_atlas(&device, sun, fading_casters.0, atlas);
+            let atlas = next_atlas(&device, sun, fading_casters.now, atlas);
             commands.entity(entity).insert(atlas);
         }
         if result.is_none_or(|result| result.size != size) {

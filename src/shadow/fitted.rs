@@ -41,8 +41,8 @@ pub struct FittedMaps {
     pub tile_cost: Option<u32>,
     /// Which needs the tiles of a frame come from.
     pub feedback: NeedFeedback,
-    /// MiB of tile textures alive at once, 1..=4096; default 64. Where the largest tile needs more, tiles are smaller and
-    /// more.
+    /// MiB of tile textures alive at once, 1..=4096; default 64. Half of it is kept for casters that fade where there are
+    /// levels of detail. Where the largest tile needs more, tiles are smaller and more.
     pub memory: u32,
 }
 
@@ -54,7 +54,8 @@ pub enum NeedMapping {
     #[default]
     Full,
     /// One pixel in many, into a mapping map that is read back whole; the grid is made on the CPU. The thesis's way, for
-    /// comparison: pixels between the samples may find no tile.
+    /// comparison: pixels between the samples may find no tile. While levels fade, and with transparent layers, all pixels
+    /// are collected.
     Low {
         /// Texels per side of the mapping map, 16..=1024; 256 in the thesis.
         size: u32,

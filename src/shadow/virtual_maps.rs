@@ -40,9 +40,11 @@ pub struct TiledMaps {
     /// Leaves out tiles in which no visible surface can lie. Changes no pixel; off, so that the reference relies on nothing.
     pub skip_empty: bool,
     /// One tile while the camera or the sun moves, then 2, 4, 8 … per axis, one step per frame: for viewers that rest most
-    /// of the time. Casters that move keep the number that is reached.
+    /// of the time. Casters that move keep the number that is reached, unless they
+    /// change the bounds of the scene.
     pub progressive: bool,
-    /// MiB of tile textures alive at once, 1..=4096. Where one tile needs more, tiles are smaller and more.
+    /// MiB of tile textures alive at once, 1..=4096; half of it is kept for casters that fade where there are levels of
+    /// detail. Where one tile needs more, tiles are smaller and more.
     pub memory: u32,
 }
 
@@ -51,7 +53,8 @@ pub struct TiledMaps {
 pub struct QueriedMaps {
     /// When and how tiles are refined; texel counts are those of textures, margins for filters included.
     pub refinement: QueriedMap,
-    /// MiB of tile textures alive at once, 1..=4096. Where the largest tile needs more, jumps are smaller, then tiles are.
+    /// MiB of tile textures alive at once, 1..=4096; half of it is kept for casters that fade where there are levels of
+    /// detail. Where the largest tile needs more, jumps are smaller, then tiles are.
     pub memory: u32,
 }
 

@@ -168,6 +168,13 @@ fn every_pane_has_the_shadow_of_a_board() {
         panes.use_technique(&with(technique, "transparent_layer=all,fallback=off"));
         assert_eq!(panes.layers(), 4, "{technique}");
         let found = panes.picture();
+        if technique.starts_with("fitted") {
+            // A mapping map has the needs of one picture: all pixels are collected in its place.
+            let keys = "map=64,transparent_layer=all,fallback=off";
+            panes.use_technique(&with(technique, keys));
+            assert!(panes.picture() == found, "{keys}: another picture");
+            panes.use_technique(&with(technique, "transparent_layer=all,fallback=off"));
+        }
 
         panes.become_boards();
         assert_eq!(panes.layers(), 0, "{technique}: nothing is transparent");

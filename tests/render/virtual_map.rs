@@ -1,6 +1,6 @@
 //! Virtual maps against one large map, against themselves in other orders, and against their counts.
 
-use bevy::{math::UVec2, prelude::*, render::RenderApp};
+use bevy::{camera::Viewport, math::UVec2, prelude::*, render::RenderApp};
 use umbrage::{
     maths::virtual_map::queried::{ChangeThreshold, Decision, QueriedMap},
     prelude::*,
@@ -13,6 +13,7 @@ use umbrage::{
             report::{VirtualMapReport, VirtualMapReports},
         },
     },
+    shadow::fitted::NeedMapping,
 };
 
 use crate::{
@@ -21,6 +22,9 @@ use crate::{
 };
 
 const PICTURE: UVec2 = UVec2::new(160, 90);
+/// Of cameras that draw a part of it only, from a corner on.
+const TARGET: UVec2 = UVec2::new(224, 150);
+const CORNER: UVec2 = UVec2::new(40, 36);
 
 /// A low light from the right behind the camera: long shadows over the ground.
 const LIGHT: Vec3 = Vec3::new(-0.6, -0.3, -0.4);
@@ -66,7 +70,23 @@ struct Stage {
 
 impl Stage {
     fn new(settings: SunShadows) -> Self {
-        let mut harness = Harness::new(PICTURE, eye());
+        Self::with(settings, Harness::new(PICTURE, eye()))
+    }
+
+    /// The same picture in a part of a larger target.
+    fn in_viewport(settings: SunShadows) -> Self {
+        let mut harness = Harness::new(TARGET, eye());
+        let world = harness.app.world_mut();
+        let mut camera = world.get_mut::<Camera>(harness.camera).expect("a camera");
+        camera.viewport = Some(Viewport {
+            physical_position: CORNER,
+            physical_size: PICTURE,
+            ..default()
+        });
+        Self::with(settings, harness)
+    }
+
+    fn with(settings: SunShadows, mut harness: Harness) -> Self {
         let sun = harness.sun(LIGHT, settings);
         scene(&mut harness, 120);
         harness.start();
@@ -149,6 +169,101 @@ fn tiles_give_the_result_of_one_map() {
     }
 }
 
+/// With every warp, filter and blur tiles show what one map of their resolution shows; edges lie up to a texel elsewhere, as
+/// margins are no part of a tile.
+#[test]
+fn warps_filters_and_blur_work_in_tiles() {
+    let poisson = ShadowFilter::Poisson { taps: 16, radius: 0.15 };
+    let pcss = ShadowFilter::Pcss {
+        taps: 16,
+        radius: 0.15,
+        sun_diameter: 0.53,
+    };
+    let blur = ShadowBlur {
+        iterations: 3,
+        full_depth: 10.0,
+    };
+    let mut stage = Stage::new(one_map(Warp::Lispsm, ShadowFilter::Hard));
+    for (warp, filter, blur) in [
+        (Warp::Psm, ShadowFilter::Pcf2, ShadowBlur::NONE),
+        (Warp::Tsm { focus: 0.2 }, ShadowFilter::Pcf2, ShadowBlur::NONE),
+        (Warp::Repar, ShadowFilter::Pcf2, ShadowBlur::NONE),
+        (Warp::Lispsm, poisson, ShadowBlur::NONE),
+        (Warp::Uniform, pcss, ShadowBlur::NONE),
+        (Warp::Lispsm, ShadowFilter::Pcf2, blur),
+    ] {
+        let one = SunShadows {
+            blur,
+            ..one_map(warp, filter)
+        };
+        let expected = stage.result(one.clone());
+        for maps in [
+            ShadowMaps::Tiled(tiled(4, 560)),
+            ShadowMaps::Queried(QueriedMaps {
+                refinement: queried(0.0, 8),
+                ..default()
+            }),
+            ShadowMaps::Fitted(FittedMaps {
+                tiles_per_axis: 8,
+                tile_size_max: 256,
+                ..default()
+            }),
+        ] {
+            let name = format!("{warp:?}, {filter:?}, {} iterations, {maps:?}", blur.iterations);
+            let found = stage.result(SunShadows { maps, ..one.clone() });
+            let share = shadowed(&found) as f32 / found.len() as f32;
+            assert!((0.03..0.9).contains(&share), "{name}: {share} in shadow");
+            let pairs = found.iter().zip(&expected);
+            let wrong = pairs.filter(|(a, b)| (*a - *b).abs() > 0.5).count();
+            println!("{name}: {wrong}");
+            assert!(wrong * 100 < found.len(), "{name}: {wrong} pixels differ from one map");
+        }
+    }
+}
+
+/// A camera that draws a part of its target has the same tiles and pixels there as one that draws all of it.
+#[test]
+fn viewports_have_virtual_maps() {
+    let settings = one_map(Warp::Lispsm, ShadowFilter::Hard);
+    let (mut whole, mut part) = (Stage::new(settings.clone()), Stage::in_viewport(settings));
+    let fitted = |mapping| {
+        ShadowMaps::Fitted(FittedMaps {
+            tiles_per_axis: 8,
+            tile_size_max: 256,
+            mapping,
+            ..default()
+        })
+    };
+    for maps in [
+        ShadowMaps::Tiled(tiled(4, 256)),
+        ShadowMaps::Queried(QueriedMaps {
+            refinement: queried(20.0, 8),
+            ..default()
+        }),
+        fitted(NeedMapping::Full),
+        fitted(NeedMapping::Low { size: 64, bytes: false }),
+    ] {
+        let (expected, found) = (whole.virtual_result(maps.clone()), part.virtual_result(maps.clone()));
+        let rows = found
+            .chunks(TARGET.x as usize)
+            .skip(CORNER.y as usize)
+            .take(PICTURE.y as usize);
+        let columns = CORNER.x as usize..(CORNER.x + PICTURE.x) as usize;
+        let inside: Vec<f32> = rows.flat_map(|row| row[columns.clone()].to_vec()).collect();
+        assert!(shadowed(&expected) > 500, "there are shadows");
+        assert_eq!(
+            shadowed(&inside),
+            shadowed(&found),
+            "{maps:?}: nothing beside the viewport is in shadow"
+        );
+        // Positions of pixels are rounded otherwise.
+        let wrong = differing(&inside, &expected);
+        assert!(wrong * 300 < expected.len(), "{maps:?}: {wrong} pixels differ");
+        let tiles = [&whole, &part].map(|stage| stage.report().tiles.len());
+        assert_eq!(tiles[0], tiles[1], "{maps:?}: tiles");
+    }
+}
+
 /// The depths of a tile are those of the map at the same texels, up to the rounding of another projection.
 #[test]
 fn tiles_have_the_depths_of_one_map() {
@@ -207,7 +322,12 @@ fn order_waves_and_skipped_tiles_change_no_bit() {
             "reversed {is_reversed}, waves of {wave_size}"
         );
     }
+    let refined = stage.queried_result(queried(0.0, 8));
+    assert!(refined.1.splits > 4, "{} splits", refined.1.splits);
     stage.schedule(TileSchedule::default());
+    let again = stage.queried_result(queried(0.0, 8));
+    assert_eq!(differing(&refined.0, &again.0), 0, "queried, reversed in waves of 3");
+    assert_eq!(refined.1, again.1, "queried: the same counts and tiles");
     let found = stage.result(settings(TiledMaps {
         skip_empty: true,
         ..tiled(5, 300)

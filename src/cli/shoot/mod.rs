@@ -176,7 +176,8 @@ impl Session<'_> {
                     let name = pictures::file_name(scene, &shot.name, &technique.text, pass);
                     if self.names.contains(&name) {
                         return Err(Failure::Usage(format!(
-                            "two pictures would be called {name}; give scenes, shots and techniques names that differ in [a-z0-9]"
+                            "two pictures would be called {name}; give scenes, shots and techniques once, with names that differ \
+                             in [a-z0-9]"
                         )));
                     }
                     self.names.insert(name);

@@ -238,29 +238,44 @@ impl Traversal<'_> {
         self.grid.region(level, node.place << shift, (node.place + 1) << shift)
     }
 
-    /// t − p: log2 of the core's side that the node needs on an axis.
-    fn side(&self, node: &Node, need: &NeedCell, axis: usize) -> i64 {
-        let target = i64::from(need.levels[axis]).min(i64::from(self.cap)) - i64::from(self.map.quality_drop);
-        target - i64::from(node.splits[axis])
+    /// t − p: log2 of the core's side that a level of need asks for on an axis.
+    fn side(&self, splits: UVec2, level: u8, axis: usize) -> i64 {
+        let target = i64::from(level).min(i64::from(self.cap)) - i64::from(self.map.quality_drop);
+        target - i64::from(splits[axis])
+    }
+
+    /// Whether a tile with this need must be split across an axis.
+    fn is_split(&self, splits: UVec2, level: u8, axis: usize) -> bool {
+        self.side(splits, level, axis) > i64::from(self.map.largest_core()) && splits[axis] < self.grid.depth()
     }
 
     /// 1 for each axis that must be split.
-    pub(super) fn parts(&self, node: &Node, need: &NeedCell) -> UVec2 {
-        let is_split = |axis: usize| {
-            let is_coarse = self.side(node, need, axis) > i64::from(self.map.largest_core());
-            u32::from(is_coarse && node.splits[axis] < self.grid.depth())
+    fn parts(&self, node: &Node, need: &NeedCell) -> UVec2 {
+        let part = |axis: usize| u32::from(self.is_split(node.splits, need.levels[axis], axis));
+        UVec2::new(part(0), part(1))
+    }
+
+    /// Texels along the side of a leaf's core.
+    fn core(&self, splits: UVec2, level: u8, axis: usize) -> u32 {
+        let largest = self.map.largest_core();
+        let smallest = floor_power(self.map.tile_size_min).ilog2().min(largest);
+        1 << self
+            .side(splits, level, axis)
+            .clamp(i64::from(smallest), i64::from(largest))
+    }
+
+    /// Texels along the side of a leaf's texture, margins included; `None` where it must be split.
+    pub(super) fn texture_side(&self, splits: UVec2, level: u8, axis: usize) -> Option<u64> {
+        let side = || {
+            TileWindow::around(UVec2::splat(self.core(splits, level, axis)), self.map.margin)
+                .size
+                .x
         };
-        UVec2::new(is_split(0), is_split(1))
+        (!self.is_split(splits, level, axis)).then(|| side().into())
     }
 
     pub(super) fn leaf(&self, node: &Node, need: &NeedCell) -> FittedTile {
-        let largest = self.map.largest_core();
-        let smallest = floor_power(self.map.tile_size_min).ilog2().min(largest);
-        let core = |axis| {
-            1 << self
-                .side(node, need, axis)
-                .clamp(i64::from(smallest), i64::from(largest))
-        };
+        let core = |axis: usize| self.core(node.splits, need.levels[axis], axis);
         FittedTile {
             tile: Tile {
                 place: node.place,

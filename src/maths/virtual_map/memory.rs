@@ -10,7 +10,7 @@ use super::{
     grid::NeedGrid,
     queried::QueriedMap,
     tile::TileWindow,
-    tiled::{MAX_TILES_PER_AXIS, TiledMap},
+    tiled::TiledMap,
 };
 
 /// Bytes of a texel of 32-bit depth.
@@ -18,6 +18,9 @@ pub const BYTES_PER_TEXEL: u64 = 4;
 
 /// Tile textures alive at once by default: 64 MiB, one of 4096².
 pub const DEFAULT_BUDGET: u64 = 64 << 20;
+
+/// Most tiles per axis of a tiled map whose tiles are small for want of memory.
+pub const MOST_TILES_PER_AXIS: u32 = 256;
 
 /// Which texture shows a tile of w × h texels; in the order of the thesis's numbers 0 to 3.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -163,13 +166,15 @@ impl FittedMap {
 
 impl TiledMap {
     /// This map with tiles small enough that one texture fits a budget, and as many more of them as keep the resolution:
-    /// the side of the texture halves, n doubles. Where n is at its limit, the resolution falls. Tiles of one texel always
-    /// fit.
+    /// the side of the texture halves, n doubles. Margins shrink with it only where they are more than an eighth of it. Where
+    /// n is at [`MOST_TILES_PER_AXIS`], the resolution falls. Tiles of one texel always fit.
     pub fn within(&self, budget_bytes: u64) -> Self {
         let mut map = *self;
         while map.window.texels() * BYTES_PER_TEXEL > budget_bytes && map.window.size.max_element() > 1 {
-            map.window = TileWindow::of_size(map.window.size / 2, map.window.margin);
-            map.tiles_per_axis = (map.tiles_per_axis * 2).min(MAX_TILES_PER_AXIS);
+            let size = map.window.size / 2;
+            let widest = (size.min_element() / 8).max(1);
+            map.window = TileWindow::of_size(size, map.window.margin.min(widest));
+            map.tiles_per_axis = (map.tiles_per_axis * 2).min(MOST_TILES_PER_AXIS);
         }
         map
     }

@@ -265,9 +265,9 @@ impl QueriedMap {
         }
     }
 
-    /// Refines level by level. `apply` draws a tile, applies it within its rectangle and reports; it is called in the
-    /// order of the result. The same reports give the same tiles.
-    pub fn refine(&self, picture: UVec2, mut apply: impl FnMut(&QueriedTile) -> TileReport) -> Refinement {
+    /// Refines level by level for the pixels of a picture, which may be a part of a larger one. `apply` draws a tile, applies
+    /// it within its rectangle and reports; it is called in the order of the result. The same reports give the same tiles.
+    pub fn refine(&self, picture: PixelRect, mut apply: impl FnMut(&QueriedTile) -> TileReport) -> Refinement {
         self.refine_levels(picture, |tiles| tiles.iter().map(&mut apply).collect())
     }
 
@@ -276,10 +276,11 @@ impl QueriedMap {
     /// count as [`TileReport::EMPTY`].
     pub fn refine_levels(
         &self,
-        picture: UVec2,
+        picture: PixelRect,
         mut apply: impl FnMut(&[QueriedTile]) -> Vec<TileReport>,
     ) -> Refinement {
-        let picture_pixels = u64::from(picture.x) * u64::from(picture.y);
+        let size = picture.max.saturating_sub(picture.min);
+        let picture_pixels = u64::from(size.x) * u64::from(size.y);
         let ordinary = |tile: Tile, rect: PixelRect| QueriedTile {
             tile,
             size: self.tile_size,
@@ -289,7 +290,7 @@ impl QueriedMap {
         };
         let mut refinement = Refinement::default();
         let mut jumps = Vec::new();
-        let mut level = vec![ordinary(Tile::WHOLE, PixelRect::whole(picture))];
+        let mut level = vec![ordinary(Tile::WHOLE, picture)];
         while !level.is_empty() {
             let reports = apply(&level);
             for (tile, report) in level.iter_mut().zip(reports) {

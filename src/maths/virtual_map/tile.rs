@@ -154,11 +154,11 @@ impl TileWindow {
 }
 
 /// The margin of a filter kernel that is `kernel` texels wide, θ: ⌈θ/2⌉ texels on each side, so that the taps of a
-/// kernel anywhere in the tile lie in the tile's texture (Giegl, section 3.5). At most 64; zero for NaN and negative
+/// kernel anywhere in the tile lie in the tile's texture (Giegl, section 3.5). At most 256; zero for NaN and negative
 /// widths.
 ///
 /// The width is in texels of the tile. A kernel of constant width in the world is 2 times as many texels wide in a tile
 /// of twice the resolution.
 pub fn filter_margin(kernel: f64) -> u32 {
-    (kernel * 0.5).ceil().clamp(0.0, 64.0) as u32
+    (kernel * 0.5).ceil().clamp(0.0, 256.0) as u32
 }

@@ -5,7 +5,7 @@ use bevy_math::{DMat4, DVec2, UVec2};
 use super::tile::{Tile, TileWindow, map_uv};
 use crate::maths::polytope::Polytope;
 
-/// Most tiles per axis of a tiled map.
+/// Most tiles per axis that can be asked for. There are more where memory is short ([`TiledMap::within`]).
 pub const MAX_TILES_PER_AXIS: u32 = 32;
 
 /// A virtual map of n × n tiles that one texture shows one after the other.

@@ -70,9 +70,15 @@ impl CasterLayer {
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct FadingApart;
 
-/// Render world: whether a caster fades in this frame.
+/// Render world: whether casters fade.
 #[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct FadingCasters(pub bool);
+pub struct FadingCasters {
+    /// Some do in this frame.
+    pub now: bool,
+    /// Some may in another frame: there are levels of detail that fade. Who plans with bounded memory leaves room for them
+    /// from the start, so that nothing is seen to change when they begin.
+    pub sometimes: bool,
+}
 
 /// On the render view of a light view that draws the second atlas: the first one.
 #[derive(Component, Clone, Debug)]

@@ -41,7 +41,11 @@ use bevy::{
 };
 
 use super::{SunShadowPasses, caster::layers::FadingCasters};
-use crate::lod::{LodSystems, chain::LodCoat};
+use crate::lod::{
+    LodSystems,
+    chain::{LodChain, LodCoat},
+    settings::{LodKind, LodSettings, LodShadows, LodTransition},
+};
 
 /// Draws fading levels of detail. Needs [`LodPlugin`](crate::lod::LodPlugin), [`RenderPlugin`](super::RenderPlugin) and
 /// Bevy's PBR plugins.
@@ -114,10 +118,21 @@ impl Plugin for UnpopPlugin {
     }
 }
 
-/// Tells the render world whether a caster takes a share of the light.
+/// Tells the render world whether a caster takes a share of the light, now or at some time.
 fn extract_fading_casters(
+    settings: Extract<Res<LodSettings>>,
+    chains: Extract<Query<(), With<LodChain>>>,
+    own_transitions: Extract<Query<&LodTransition, With<LodChain>>>,
     parts: Extract<Query<&LodCoat, With<MeshMaterial3d<material::FadingMaterial>>>>,
     mut fading: ResMut<FadingCasters>,
 ) {
-    fading.0 = parts.iter().any(|coat| coat.shadow > 0.0 && !coat.dithers_shadow);
+    let now = parts.iter().any(|coat| coat.shadow > 0.0 && !coat.dithers_shadow);
+    let common = [Some(settings.transition.kind), settings.right_half];
+    let sometimes = settings.shadows != LodShadows::Solid
+        && ((common.into_iter().flatten().any(LodKind::shares_shadow) && !chains.is_empty())
+            || own_transitions.iter().any(|own| own.kind.shares_shadow()));
+    *fading = FadingCasters {
+        now,
+        sometimes: now || sometimes,
+    };
 }

@@ -61,14 +61,14 @@ use self::{
 use super::{
     SunShadowPasses,
     atlas::{RESULT_FORMAT, ShadowAtlas, ShadowResult, create_target},
-    caster::{CasterStatistics, pass::storage_buffer, plan::CasterPlan, prepare::TILE_SLOTS},
+    caster::{CasterStatistics, layers::FadingCasters, pass::storage_buffer, plan::CasterPlan, prepare::TILE_SLOTS},
     extract::ExtractedSun,
     gpu_types::GpuTileReport,
     read_back::{ReadBack, submit_now},
     receivers::receivers,
 };
 use crate::{
-    maths::virtual_map::{picture::PixelRect, queried::TileReport},
+    maths::virtual_map::{memory::BYTES_PER_TEXEL, picture::PixelRect, queried::TileReport},
     shadow::{timing::SystemTimes, virtual_maps::ShadowMaps},
 };
 
@@ -165,8 +165,10 @@ pub struct TileFrame<'a> {
     map: &'a mut VirtualMap,
     /// The sun of the camera.
     pub sun: &'a ExtractedSun,
-    /// Pixels of the shadow result.
+    /// Pixels of the shadow result: those of the camera's target.
     pub picture: UVec2,
+    /// Those that the camera draws.
+    pub viewport: PixelRect,
     /// Frames since camera, light view and lens last changed.
     pub still_frames: u32,
     /// What was drawn so far.
@@ -185,16 +187,18 @@ impl TileFrame<'_> {
     }
 
     /// Bytes of tile textures that may be alive at once: what the settings allow, and no texture larger than the device has.
+    /// Half of it where levels of detail may fade: then every texture has a second one for their casters.
     pub fn texture_budget(&self) -> u64 {
         let side = u64::from(self.world.resource::<RenderDevice>().limits().max_texture_dimension_2d);
-        self.sun.settings.maps.memory_bytes().min(side * side * 4)
+        let copies = 1 + u64::from(self.world.resource::<FadingCasters>().sometimes);
+        (self.sun.settings.maps.memory_bytes() / copies).min(side * side * BYTES_PER_TEXEL)
     }
 
     /// Makes textures for tiles of some sizes, within [`texture_budget`](Self::texture_budget).
     pub fn prepare_textures(&mut self, sizes: &[UVec2]) {
         let budget = self.texture_budget();
-        let fades = self.world.get::<ShadowAtlas>(self.camera);
-        let fades = fades.is_some_and(|atlas| atlas.fades);
+        let atlas = self.world.get::<ShadowAtlas>(self.camera);
+        let fades = atlas.is_some_and(|atlas| atlas.fades);
         self.map
             .textures
             .prepare(self.world.resource::<RenderDevice>(), sizes, budget, fades);
@@ -372,6 +376,11 @@ pub fn draw_virtual_maps(world: &mut World, context: &mut SystemState<RenderCont
         return;
     };
     let picture = result.size;
+    let (first, size) = (view.viewport.xy(), view.viewport.zw());
+    let viewport = PixelRect {
+        min: first,
+        max: first + size,
+    };
     let map_pose = sun.light_views.first().map(|light_view| light_view.clip_from_world);
     let pose = (map_pose.unwrap_or_default(), view.world_from_view, view.clip_from_view);
     let main_camera = world.get::<MainEntity>(camera).map(|main| **main);
@@ -384,6 +393,7 @@ pub fn draw_virtual_maps(world: &mut World, context: &mut SystemState<RenderCont
         map: &mut map,
         sun: &sun,
         picture,
+        viewport: viewport.intersection(PixelRect::whole(picture)),
         still_frames,
         report: VirtualMapReport::default(),
     };

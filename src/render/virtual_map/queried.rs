@@ -41,7 +41,7 @@ pub(super) fn draw(frame: &mut TileFrame, settings: &QueriedMaps, map_clip_from_
             tile.rect,
         )
     };
-    let refinement = map.refine_levels(frame.picture, |level| {
+    let refinement = map.refine_levels(frame.viewport, |level| {
         let draws: Vec<TileDraw> = level.iter().map(draw_of).collect();
         if level.iter().any(|tile| tile.decision.is_none()) {
             frame.draw(&draws);

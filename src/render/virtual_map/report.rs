@@ -1,6 +1,9 @@
 //! [`VirtualMapReports`]: what the virtual maps of a frame were, for both worlds.
 
-use std::sync::{Arc, Mutex};
+use std::{
+    cmp::Reverse,
+    sync::{Arc, Mutex},
+};
 
 use bevy::{ecs::entity::EntityHashMap, prelude::*};
 
@@ -50,6 +53,14 @@ impl VirtualMapReport {
             texels.max_element()
         });
         sides.max().unwrap_or(0)
+    }
+
+    /// Texels of tiles, margins included, and how many tiles have them; the largest first.
+    pub fn sizes(&self) -> Vec<(UVec2, usize)> {
+        let mut sizes: Vec<UVec2> = self.tiles.iter().map(|tile| tile.draw.window.size).collect();
+        sizes.sort_by_key(|size| Reverse((size.element_product(), size.x)));
+        let groups = sizes.chunk_by(|a, b| a == b);
+        groups.map(|group| (group[0], group.len())).collect()
     }
 }
 

@@ -68,10 +68,9 @@ impl TileTextures {
     /// smallest first, so that many tiles can be drawn and applied together.
     ///
     /// What no larger cell holds is made even if it does not fit: that is for the caller to avoid. `fades`: whether casters
-    /// fade, which takes half of the budget; a tile that takes more than half then exceeds it, up to twice, because a
-    /// smaller one would be seen to change.
+    /// fade, which takes as much again; cells stay where they are.
     pub fn prepare(&mut self, device: &RenderDevice, sizes: &[UVec2], budget_bytes: u64, fades: bool) {
-        let wanted = affordable(sizes, if fades { budget_bytes / 2 } else { budget_bytes });
+        let wanted = affordable(sizes, budget_bytes);
         let largest = device.limits().max_texture_dimension_2d;
         let mut old = std::mem::take(&mut self.0);
         for copies in wanted.chunk_by(|a, b| a == b) {

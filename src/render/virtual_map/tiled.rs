@@ -6,10 +6,7 @@ use super::{
     TileFrame,
     tiles::{TileDraw, margin},
 };
-use crate::{
-    maths::virtual_map::{picture::PixelRect, tiled::TiledMap},
-    shadow::virtual_maps::TiledMaps,
-};
+use crate::{maths::virtual_map::tiled::TiledMap, shadow::virtual_maps::TiledMaps};
 
 /// Draws a tiled map.
 pub(super) fn draw(frame: &mut TileFrame, settings: &TiledMaps, map_clip_from_world: &DMat4) {
@@ -29,9 +26,8 @@ pub(super) fn draw(frame: &mut TileFrame, settings: &TiledMaps, map_clip_from_wo
         Some(visible) if settings.skip_empty => map.tiles_with_receivers(map_clip_from_world, visible),
         _ => map.tiles().collect(),
     };
-    let whole = PixelRect::whole(frame.picture);
     let tiles: Vec<TileDraw> = (tiles.into_iter())
-        .map(|tile| TileDraw::filling(tile, map.window, whole))
+        .map(|tile| TileDraw::filling(tile, map.window, frame.viewport))
         .collect();
     frame.prepare_textures(&[UVec2::splat(map.window.size.max_element())]);
     frame.draw(&tiles);

@@ -70,7 +70,7 @@ impl TileDraw {
     }
 }
 
-/// The margin that a filter needs around tiles of a map with `map_texels` per axis. At most 64 texels and an eighth of the
+/// The margin that a filter needs around tiles of a map with `map_texels` per axis. At most 256 texels and an eighth of the
 /// texture: wider filters are cut at the borders of tiles.
 pub fn margin(filter: ShadowFilter, map_clip_from_world: &DMat4, map_texels: f64, texture_side: u32) -> u32 {
     let kernel = match filter {

@@ -1,8 +1,9 @@
 //! Queried maps: other ways to split and to count, full levels.
 
 use bevy_math::UVec2;
-use umbrage::maths::virtual_map::queried::{
-    ChangeThreshold, Decision, QueriedMap, Splitting, TileReport, changed_result,
+use umbrage::maths::virtual_map::{
+    picture::PixelRect,
+    queried::{ChangeThreshold, Decision, QueriedMap, Splitting, TileReport, changed_result},
 };
 
 use super::queried::{MEGAPIXEL, PICTURE, report, small, square};
@@ -14,7 +15,7 @@ fn binary_splits_alternate() {
         max_tiles_per_axis: 4,
         ..small()
     };
-    let refinement = map.refine(PICTURE, |_| report(1));
+    let refinement = map.refine(PixelRect::whole(PICTURE), |_| report(1));
     let counts: Vec<UVec2> = refinement.tiles.iter().map(|tile| tile.tile.counts).collect();
     assert_eq!(counts.len(), 1 + 2 + 4 + 8 + 16);
     assert_eq!(
@@ -71,7 +72,7 @@ fn the_first_split_can_be_forced() {
         force_first_split: true,
         ..small()
     };
-    let refinement = map.refine(PICTURE, |_| report(0));
+    let refinement = map.refine(PixelRect::whole(PICTURE), |_| report(0));
     assert_eq!((refinement.tiles.len(), refinement.splits), (5, 1));
     // The practical lower bound of section 4.5: 5 + 1.
     let jumping = QueriedMap {
@@ -79,7 +80,9 @@ fn the_first_split_can_be_forced() {
         max_tiles_per_axis: 4,
         ..map
     };
-    let one = jumping.refine(PICTURE, |draw| report(u32::from(draw.tile == square(2))));
+    let one = jumping.refine(PixelRect::whole(PICTURE), |draw| {
+        report(u32::from(draw.tile == square(2)))
+    });
     assert_eq!((one.tiles.len(), one.jumps), (6, 1));
 }
 
@@ -89,7 +92,9 @@ fn full_levels_keep_the_splits_that_change_most() {
         max_tiles_per_level: 8,
         ..small()
     };
-    let refinement = map.refine(PICTURE, |draw| report(1 + draw.tile.place.x + 10 * draw.tile.place.y));
+    let refinement = map.refine(PixelRect::whole(PICTURE), |draw| {
+        report(1 + draw.tile.place.x + 10 * draw.tile.place.y)
+    });
     for n in [2, 4, 8, 16, 32] {
         assert!(refinement.tiles.iter().filter(|tile| tile.tile.counts.x == n).count() <= 8);
     }
@@ -112,7 +117,7 @@ fn full_levels_keep_the_splits_that_change_most() {
             max_tiles_per_level: 0,
             ..small()
         }
-        .refine(PICTURE, |_| report(1))
+        .refine(PixelRect::whole(PICTURE), |_| report(1))
         .tiles
         .len(),
         1

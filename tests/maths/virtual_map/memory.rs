@@ -181,10 +181,15 @@ fn smaller_budgets_make_more_and_smaller_tiles() {
     assert_eq!(half.effective_resolution(), map.effective_resolution());
     let quarter = map.within(1 << 20);
     assert_eq!((quarter.tiles_per_axis, quarter.window.size), (32, UVec2::splat(512)));
-    let least = map.within(1 << 18);
+    let fine = TiledMap::new(32, 4096, 0).within(32 << 20);
+    assert_eq!((fine.tiles_per_axis, fine.window.size), (64, UVec2::splat(2048)));
+    assert_eq!(fine.effective_resolution(), 131_072);
+    let wide = TiledMap::new(8, 2048, 200).within(1 << 20);
+    assert_eq!((wide.window.size, wide.window.margin), (UVec2::splat(512), 64));
+    let least = map.within(1 << 12);
     assert_eq!(
         (least.tiles_per_axis, least.window.size),
-        (32, UVec2::splat(256)),
+        (256, UVec2::splat(32)),
         "n is at its limit"
     );
     assert_eq!(map.within(0).window.size, UVec2::ONE);

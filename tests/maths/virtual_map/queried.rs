@@ -85,7 +85,7 @@ fn pixels(count: f64) -> ChangeThreshold {
 
 fn refined(map: &QueriedMap) -> (Refinement, Result) {
     let mut result = Result::lit();
-    let refinement = map.refine(PICTURE, |draw| result.apply(draw));
+    let refinement = map.refine(PixelRect::whole(PICTURE), |draw| result.apply(draw));
     (refinement, result)
 }
 
@@ -137,7 +137,7 @@ fn tile_counts() {
     }
     assert_eq!((0..6).map(|level| 4_u32.pow(level)).sum::<u32>(), 1365);
     // Every tile refines: the bound is met, level by level.
-    let all = small().refine(PICTURE, |_| report(1));
+    let all = small().refine(PixelRect::whole(PICTURE), |_| report(1));
     assert_eq!((all.tiles.len(), all.splits), (1365, 341));
     assert!(all.tiles.is_sorted_by_key(|tile| tile.tile.counts.x));
 }
@@ -176,7 +176,7 @@ fn counts_are_differences() {
             },
             0,
         );
-        let refinement = map.refine(PICTURE, |draw| {
+        let refinement = map.refine(PixelRect::whole(PICTURE), |draw| {
             let before = result.0.clone();
             let report = result.apply(draw);
             let differing = before.iter().zip(&result.0).filter(|(a, b)| a != b).count();
@@ -236,7 +236,7 @@ fn screen_rectangles_change_nothing() {
         maximum_jump: true,
         ..small()
     }
-    .refine(PICTURE, |draw| {
+    .refine(PixelRect::whole(PICTURE), |draw| {
         whole.apply(&QueriedTile {
             rect: PixelRect::whole(PICTURE),
             ..*draw
@@ -337,7 +337,7 @@ fn costs() {
         tile_size_max: 4096,
         ..QueriedMap::default()
     };
-    let refinement = map.refine(UVec2::splat(1024), |draw| {
+    let refinement = map.refine(PixelRect::whole(UVec2::splat(1024)), |draw| {
         let is_corner = draw.tile.place == UVec2::ZERO;
         let is_beside = draw.tile.place == UVec2::X && draw.tile.counts.x == 16;
         report(if is_corner {
@@ -363,7 +363,7 @@ fn costs() {
             max_tiles_per_axis: side.pow(levels),
             ..small()
         };
-        let refinement = map.refine(PICTURE, |draw| {
+        let refinement = map.refine(PixelRect::whole(PICTURE), |draw| {
             report(u32::from(!is_chain || draw.tile.place == UVec2::ZERO))
         });
         refinement.tiles.len()
@@ -385,8 +385,8 @@ proptest! {
             let hash = (draw.tile.place.x * 7919 + draw.tile.place.y * 104_729 + draw.tile.counts.x).wrapping_mul(seed | 1);
             report(hash >> 31)
         };
-        let refinement = map.refine(PICTURE, apply);
-        prop_assert_eq!(&refinement, &map.refine(PICTURE, apply));
+        let refinement = map.refine(PixelRect::whole(PICTURE), apply);
+        prop_assert_eq!(&refinement, &map.refine(PixelRect::whole(PICTURE), apply));
         for (index, tile) in refinement.tiles.iter().enumerate() {
             for later in &refinement.tiles[index + 1..] {
                 let is_again = later.tile == tile.tile && later.decision.is_none();

@@ -1,7 +1,10 @@
 //! Shadows of fading levels.
 
 use bevy::prelude::*;
-use umbrage::{prelude::*, render::atlas::ShadowAtlas};
+use umbrage::{
+    prelude::*,
+    render::{atlas::ShadowAtlas, virtual_map::report::VirtualMapReports},
+};
 
 use super::{SIZE, cards, chain, set_share, stage};
 use crate::harness::Harness;
@@ -90,5 +93,37 @@ fn shadows_of_fading_levels_change_little_by_little() {
         }
         result_at(&mut harness, 1.0);
         assert!(!fades(&harness), "{technique}: nothing fades at rest");
+    }
+}
+
+/// Casters that fade have tile textures of their own. Their memory is kept for them from the start: the bound holds while
+/// something fades, and tiles are the same before.
+#[test]
+fn the_memory_of_tiles_is_bounded_while_levels_fade() {
+    for technique in [
+        "tiled:n=4,tile=512,memory=1,filter=hard",
+        "queried:min=0,max=4,tile=256,tile_max=512,memory=1,filter=hard",
+        "fitted:n=8,tile_max=512,memory=1,filter=hard",
+    ] {
+        let mut harness = stage();
+        boxes(&mut harness, true, technique);
+        harness.start();
+        let mut report_at = |t: f64| {
+            set_share(&mut harness, t);
+            harness.frames(3);
+            let reports = harness.app.world().resource::<VirtualMapReports>();
+            let fades = harness.of_camera(|atlas: &ShadowAtlas| atlas.fades);
+            let report = reports.get(harness.camera).expect("a virtual map");
+            (fades, report.texture_bytes)
+        };
+        let (rests, before) = report_at(0.0);
+        let (fades, during) = report_at(0.4);
+        assert_eq!((rests, fades), (false, true), "{technique}");
+        assert_eq!(
+            during,
+            2 * before,
+            "{technique}: the same cells, and as many for what fades"
+        );
+        assert!(during <= 1 << 20, "{technique}: {during} bytes");
     }
 }

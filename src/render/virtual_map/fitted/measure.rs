@@ -169,8 +169,8 @@ impl PassBuffers {
     }
 }
 
-/// Records the pass for pictures of a camera, given by their depths: the needs of all of them are collected together, into a
-/// mapping map only those of the first. False while the pipeline or a picture is missing.
+/// Records the pass for pictures of a camera, given by their depths: the needs of all of them are collected together. False
+/// while the pipeline or a picture is missing.
 pub fn record(
     world: &World,
     camera: Entity,
@@ -189,19 +189,13 @@ pub fn record(
     };
     let pipeline = pipelines.of(measurement.pass);
     let layout = cache.get_bind_group_layout(&pipeline.layout);
-    let pictures = match measurement.pass {
-        NeedPass::Collect | NeedPass::CollectWithHistograms => depths,
-        NeedPass::Map | NeedPass::MapBytes => &depths[..depths.len().min(1)],
-    };
-    let bind_groups: Option<Vec<_>> = pictures
+    let bind_groups: Option<Vec<_>> = depths
         .iter()
         .map(|depth| bind_group(world, camera, depth, &layout, buffers))
         .collect();
-    let (Some(compute), Some(bind_groups), false) = (
-        cache.get_compute_pipeline(pipeline.id),
-        bind_groups,
-        pictures.is_empty(),
-    ) else {
+    let (Some(compute), Some(bind_groups), false) =
+        (cache.get_compute_pipeline(pipeline.id), bind_groups, depths.is_empty())
+    else {
         return false;
     };
     let contents = storage_bytes(parameters);

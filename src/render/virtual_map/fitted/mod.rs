@@ -22,6 +22,7 @@ pub mod plan;
 use std::time::{Duration, Instant};
 
 use bevy::{
+    log::warn_once,
     math::Vec4Swizzles,
     prelude::*,
     render::{
@@ -183,6 +184,12 @@ fn requests(frame: &TileFrame, settings: &FittedMaps, state: &mut FittedState) -
     let light_views = own.unwrap_or_else(|| frame.sun.light_views.clone());
     let ends: Vec<f32> = light_views.iter().map(|light_view| light_view.far_depth).collect();
     let depths = depth_intervals(&ends, frame.sun.shadow_distance);
+    let has_more_pictures = receivers(frame.world, frame.camera).len() > 1;
+    let largest_buffer = frame
+        .world
+        .resource::<RenderDevice>()
+        .limits()
+        .max_storage_buffer_binding_size;
     let request = |(partition, (light_view, depths)): (u32, (LightView, [f32; 2]))| {
         let margin = margin(
             frame.sun.settings.filter,
@@ -190,14 +197,30 @@ fn requests(frame: &TileFrame, settings: &FittedMaps, state: &mut FittedState) -
             f64::from(settings.texels_per_axis()),
             settings.tile_size_max,
         );
-        Some(FittedRequest {
+        // Where not even the smallest tile fits with its margins, filters are cut at its borders.
+        let mut margins = std::iter::successors(Some(margin), |margin| (*margin > 0).then_some(margin / 2));
+        let mut request = FittedRequest {
             settings: settings.clone(),
-            map: settings.map(margin, frame.texture_budget())?,
+            map: margins.find_map(|margin| settings.map(margin, frame.texture_budget()))?,
             light_view,
             partition,
             depths,
             camera,
-        })
+            has_more_pictures,
+        };
+        if request
+            .measurement()
+            .sizes()
+            .iter()
+            .any(|bytes| *bytes > largest_buffer)
+        {
+            warn_once!(
+                "a fitted map of {} cells per axis has no room for histograms on this device: `discard` is ignored",
+                request.map.grid_tiles_per_axis()
+            );
+            request.settings.discard = 0.0;
+        }
+        Some(request)
     };
     (0..).zip(light_views.into_iter().zip(depths)).map(request).collect()
 }

@@ -20,7 +20,7 @@ use crate::{
     },
     render::{gpu_types::NeedParameters, virtual_map::tiles::TileDraw},
     shadow::{
-        fitted::{FittedMaps, NeedFeedback},
+        fitted::{FittedMaps, NeedFeedback, NeedMapping},
         views::LightView,
     },
 };
@@ -40,12 +40,23 @@ pub struct FittedRequest {
     pub depths: [f32; 2],
     /// Whose picture.
     pub camera: PictureCamera,
+    /// Whether other pictures look into the map, too: those of fading levels and of transparent layers.
+    pub has_more_pictures: bool,
 }
 
 impl FittedRequest {
-    /// What the pass measures.
+    /// What the pass measures. A mapping map holds the needs of one picture: where there are more, all pixels are collected.
     pub fn measurement(&self) -> Measurement {
-        Measurement::new(&self.settings, self.camera.size, self.map.grid_tiles_per_axis())
+        let mapping = if self.has_more_pictures {
+            NeedMapping::Full
+        } else {
+            self.settings.mapping
+        };
+        let settings = FittedMaps {
+            mapping,
+            ..self.settings.clone()
+        };
+        Measurement::new(&settings, self.camera.size, self.map.grid_tiles_per_axis())
     }
 
     /// The motion that needs have to hold for; `None` within the same frame.
