@@ -128,3 +128,36 @@ fn full_path_equals_bevys_lookup_with_the_same_matrices() {
         );
     }
 }
+
+/// The normals of rounded foliage face away from the sun where its leaves do not: the mask says what the leaves see of it.
+#[test]
+fn planes_decide_what_faces_away() {
+    for (normal, light_dir, expected) in [
+        (Vec3::Z, Vec3::new(0.1, -0.3, -1.0), 255),
+        (Vec3::NEG_Z, Vec3::new(0.1, -0.3, -1.0), 255),
+        (Vec3::Z, Vec3::new(0.1, -0.3, 1.0), 0),
+        (Vec3::NEG_Y, Vec3::new(0.1, -0.3, 1.0), 0),
+    ] {
+        let size = UVec2::new(64, 36);
+        let mut harness = Harness::new(size, Transform::from_xyz(0.0, 0.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y));
+        let card = Mesh::from(Rectangle::new(3.0, 3.0));
+        let normals = vec![normal.to_array(); card.count_vertices()];
+        let card = harness.mesh(card.with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals));
+        let material = harness.material(Color::WHITE);
+        let place = Transform::from_rotation(Quat::from_rotation_y(0.3));
+        harness
+            .app
+            .world_mut()
+            .spawn((Mesh3d(card), MeshMaterial3d(material), place));
+        let sun = harness.sun(light_dir, SunShadows::LOW);
+        let mask = harness.add_mask(sun, size);
+        harness.start();
+        let mask = capture::read_image(&harness.app, &mask).expect("the mask can be read");
+        let middle = (14..22).flat_map(|y| (26..38).map(move |x| y * size.x as usize + x));
+        let found: Vec<u8> = middle.map(|pixel| mask.bytes[pixel]).collect();
+        assert!(
+            found.iter().all(|code| *code == expected),
+            "normal {normal}, light along {light_dir}: {found:?}"
+        );
+    }
+}

@@ -37,7 +37,8 @@ use bevy::{
 pub struct ShadowMask {
     /// The entity of the [`DirectionalLight`].
     pub light: Entity,
-    /// [`Self::MASK_FORMAT`]: 1 lit, 0 in shadow or facing away from the light, fractions where filtered; sky 1.
+    /// [`Self::MASK_FORMAT`]: 1 lit, 0 in shadow or where normal and plane face away from the light, fractions where
+    /// filtered; sky 1.
     pub mask: Handle<Image>,
     /// [`Self::DEPTH_FORMAT`]: metres along the view direction; sky 0.
     pub depth: Handle<Image>,
